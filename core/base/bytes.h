@@ -14,10 +14,10 @@ typedef struct bytes_out {
     size_t capacity, size; /* size: of everything that was written, even if it did not fit */
 } bytes_out;
 
-void bytes_put(bytes_out *out, const void *value, size_t size);
-void bytes_put_u32(bytes_out *out, uint32_t value);
-void bytes_put_f64(bytes_out *out, double value);
-void bytes_put_vec3(bytes_out *out, vec3 v);
+void bytes_write(bytes_out *out, const void *value, size_t size);
+void bytes_write_u32(bytes_out *out, uint32_t value);
+void bytes_write_f64(bytes_out *out, double value);
+void bytes_write_vec3(bytes_out *out, vec3 v);
 
 typedef struct bytes_in {
     const unsigned char *at, *end;
@@ -25,9 +25,9 @@ typedef struct bytes_in {
 } bytes_in;
 
 /* If fewer bytes are left, fails and returns zeros. */
-void bytes_take(bytes_in *in, void *out, size_t size);
-uint32_t bytes_take_u32(bytes_in *in);
-double bytes_take_f64(bytes_in *in); /* fails and returns 0 for a value that is not finite */
-vec3 bytes_take_vec3(bytes_in *in);  /* the same, for each number */
+void bytes_read(bytes_in *in, void *out, size_t size);
+uint32_t bytes_read_u32(bytes_in *in);
+double bytes_read_f64(bytes_in *in); /* fails and returns 0 for a value that is not finite */
+vec3 bytes_read_vec3(bytes_in *in);  /* the same, for each number */
 
 #endif

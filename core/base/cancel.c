@@ -44,12 +44,12 @@ void cancel_on_signals(cancel_patience patience, void (*also)(void))
             sigaction(signals[i], &ask, NULL);
 }
 
-void cancel_ask(void)
+void cancel_request(void)
 {
     atomic_store(&asked, true);
 }
 
-bool cancel_is_asked(void)
+bool cancel_is_requested(void)
 {
     return atomic_load(&asked);
 }
@@ -61,5 +61,5 @@ _Atomic bool *cancel_flag(void)
 
 mrt_result cancel_check(error *err)
 {
-    return cancel_is_asked() ? error_set(err, MRT_ERR_IO, "stopped") : MRT_OK;
+    return cancel_is_requested() ? error_set(err, MRT_ERR_IO, "stopped") : MRT_OK;
 }

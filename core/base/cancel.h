@@ -16,8 +16,8 @@ typedef enum cancel_patience {
 /* [main] Makes signals set the request. `also` (NULL: none) is called in the signal handler, to
  * wake waiting threads. */
 void cancel_on_signals(cancel_patience patience, void (*also)(void));
-void cancel_ask(void); /* sets the request without a signal: the key q */
-bool cancel_is_asked(void);
+void cancel_request(void); /* sets the request without a signal: the key q */
+bool cancel_is_requested(void);
 _Atomic bool *cancel_flag(void); /* the flag itself, for code that polls or sets it */
 /* Returns MRT_ERR_IO, "stopped", after a request. */
 CHECKED mrt_result cancel_check(error *err);

@@ -93,7 +93,7 @@ bool log_pop(log_queue *queue, log_record *out)
     return true;
 }
 
-uint32_t log_take_lost(log_queue *queue)
+uint32_t log_pop_lost(log_queue *queue)
 {
     return atomic_exchange_explicit(&queue->lost, 0, memory_order_relaxed);
 }

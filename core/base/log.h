@@ -27,7 +27,7 @@ __attribute__((format(printf, 4, 5))) void log_pushf(log_queue *queue, int32_t l
 /* [main] Pops the oldest record. Returns false if there is none. */
 bool log_pop(log_queue *queue, log_record *out);
 /* [main] Returns the number of records lost since the last call. */
-uint32_t log_take_lost(log_queue *queue);
+uint32_t log_pop_lost(log_queue *queue);
 
 /* Remembers logged texts, so that a repeated text is logged only once. Stores at most LOG_ONCE_MAX
  * texts, and then treats every other text as repeated, so that memory is bounded. One thread at a

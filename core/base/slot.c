@@ -20,7 +20,7 @@ void slot_publish(publish_slot *slot)
         INDEX & atomic_exchange_explicit(&slot->middle, slot->back | FRESH, memory_order_acq_rel);
 }
 
-bool slot_take(publish_slot *slot)
+bool slot_receive(publish_slot *slot)
 {
     if (!(atomic_load_explicit(&slot->middle, memory_order_relaxed) & FRESH))
         return false;

@@ -18,7 +18,7 @@ uint32_t slot_back(const publish_slot *slot);
 /* [publisher] Publishes the filled buffer as the newest. */
 void slot_publish(publish_slot *slot);
 /* [receiver] Moves the newest value to the front. Returns false if there is no new one. */
-bool slot_take(publish_slot *slot);
+bool slot_receive(publish_slot *slot);
 /* [receiver] Returns the index of the buffer to read. */
 uint32_t slot_front(const publish_slot *slot);
 

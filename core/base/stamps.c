@@ -57,7 +57,7 @@ bool stamps_is_new(const stamps_reader *r, const stamps *s, uint32_t part)
     return !is_of(r, s) || s->at[part] > r->seen;
 }
 
-bool stamps_has_news(const stamps_reader *r, const stamps *s)
+bool stamps_may_have_changes(const stamps_reader *r, const stamps *s)
 {
     return !is_of(r, s) || s->now > r->seen;
 }

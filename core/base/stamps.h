@@ -38,7 +38,7 @@ typedef struct stamps_reader { /* zeroed: has read nothing */
 bool stamps_is_new(const stamps_reader *r, const stamps *s, uint32_t part);
 /* Returns whether there may be new parts: a change has begun since, or the source is another
  * one. */
-bool stamps_has_news(const stamps_reader *r, const stamps *s);
+bool stamps_may_have_changes(const stamps_reader *r, const stamps *s);
 /* Marks everything as read. */
 void stamps_read(stamps_reader *r, const stamps *s);
 

@@ -18,7 +18,7 @@ const char *check_rule_id(check_rule rule)
     return table[rule].id;
 }
 
-const char *check_rule_says(check_rule rule)
+const char *check_rule_text(check_rule rule)
 {
     return table[rule].says;
 }

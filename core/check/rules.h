@@ -202,7 +202,7 @@ typedef enum check_rule {
 } check_rule;
 
 const char *check_rule_id(check_rule rule);    /* "mapping.finite" */
-const char *check_rule_says(check_rule rule);  /* a sentence */
+const char *check_rule_text(check_rule rule);  /* a sentence */
 uint32_t check_rule_concerns(check_rule rule); /* CONCERNS_* */
 /* Returns false if no rule has that id. */
 bool check_rule_find(const char *id, check_rule *out);

@@ -411,7 +411,7 @@ static void solve(const guide_poses *poses, const float *low, const float *high,
 static const double NS_PER_SECOND = 1e9;
 static const int64_t AWAY_NS = 1000000000;
 
-const char *const guide_wait_words[GUIDE_WAITS_FOR_NOTHING + 1] = {
+const char *const guide_wait_text[GUIDE_WAITS_FOR_NOTHING + 1] = {
     [GUIDE_WAITS_FOR_SAMPLES] = "waiting for the hand",
     [GUIDE_WAITS_FOR_MOVEMENT] = "move into the pose",
     [GUIDE_WAITS_FOR_STILLNESS] = "hold still",
@@ -434,7 +434,7 @@ struct guide {
     char reason[512];
 };
 
-guide_settings guide_settings_usual(uint32_t side, uint32_t sensors)
+guide_settings guide_settings_default(uint32_t side, uint32_t sensors)
 {
     return (guide_settings){.side = side,
                             .sensors = sensors,
@@ -462,7 +462,7 @@ guide_settings guide_settings_bare(uint32_t side, uint32_t sensors, const char *
     return out;
 }
 
-bool guide_asks(const guide *self, guide_step step)
+bool guide_is_requested(const guide *self, guide_step step)
 {
     return step < GUIDE_STEPS && (self->settings.steps >> step & 1u);
 }
@@ -470,7 +470,7 @@ bool guide_asks(const guide *self, guide_step step)
 /* Returns the next requested step, beginning with `step` itself. */
 static guide_step next_asked(const guide *self, guide_step step)
 {
-    while (step < GUIDE_STEPS && !guide_asks(self, step))
+    while (step < GUIDE_STEPS && !guide_is_requested(self, step))
         ++step;
     return step;
 }
@@ -576,7 +576,7 @@ void guide_repeat(guide *self)
     self->reason[0] = '\0';
     guide_step step = self->step;
     for (int back = (int)self->step - 1; back >= 0 && step == self->step; --back)
-        if (guide_asks(self, (guide_step)back))
+        if (guide_is_requested(self, (guide_step)back))
             step = (guide_step)back;
     self->poses.has[step] = false;
     begin_step(self, step);
@@ -678,7 +678,7 @@ guide_step guide_current(const guide *self)
     return self->step;
 }
 
-const char *guide_words(const guide *self)
+const char *guide_instruction(const guide *self)
 {
     if (self->step == GUIDE_STEPS)
         return "";
@@ -691,8 +691,8 @@ int guide_number(const guide *self, int *out_of)
     int number = 0;
     *out_of = 0;
     for (int step = 0; step < GUIDE_STEPS; ++step) {
-        *out_of += guide_asks(self, (guide_step)step);
-        number += guide_asks(self, (guide_step)step) && step <= (int)self->step;
+        *out_of += guide_is_requested(self, (guide_step)step);
+        number += guide_is_requested(self, (guide_step)step) && step <= (int)self->step;
     }
     return number;
 }
@@ -863,8 +863,8 @@ void guide_judge(guide_judgement *out, const guide *self, const calibration_file
     }
     qsort(out->flaw, out->flaw_count, sizeof *out->flaw, compare);
     for (guide_step step = 0; self && step < GUIDE_STEPS; ++step) {
-        out->asked += guide_asks(self, step);
-        out->left_out += guide_asks(self, step) && !self->poses.has[step];
+        out->asked += guide_is_requested(self, step);
+        out->left_out += guide_is_requested(self, step) && !self->poses.has[step];
     }
 }
 

@@ -36,7 +36,7 @@ typedef struct guide_settings {
 } guide_settings;
 /* Default settings for 8-bit counts: 0.7 s still within 1.5 counts, 1 s lead, no timeout, 10
  * counts. */
-guide_settings guide_settings_usual(uint32_t side, uint32_t sensors);
+guide_settings guide_settings_default(uint32_t side, uint32_t sensors);
 /* Settings for flat, fist and spread in ten seconds: 0.5 s still within 4.6 degrees, because
  * landmarks jitter, 0.6 s lead, no timeout, 20 degrees. The roll of the thumb is not calibrated:
  * the fist does not show it, and beside the index finger it cannot be seen. */
@@ -57,7 +57,7 @@ typedef enum guide_wait {
     GUIDE_WAITS_FOR_STILLNESS,
     GUIDE_WAITS_FOR_NOTHING
 } guide_wait;
-extern const char *const guide_wait_words[GUIDE_WAITS_FOR_NOTHING + 1]; /* "hold still" */
+extern const char *const guide_wait_text[GUIDE_WAITS_FOR_NOTHING + 1]; /* "hold still" */
 
 typedef struct guide guide;
 guide *guide_create(const guide_settings *settings); /* NULL: no memory */
@@ -79,9 +79,9 @@ void guide_again(guide *self, guide_step step);
 void guide_pose(guide_step step, float *out_rad);
 
 guide_step guide_current(const guide *self);
-bool guide_asks(const guide *self, guide_step step);
+bool guide_is_requested(const guide *self, guide_step step);
 /* Returns the instruction for the user: a sentence; "" when all steps are done. */
-const char *guide_words(const guide *self);
+const char *guide_instruction(const guide *self);
 /* Returns the number of the pose, as in "pose 2 of 3"; out_of: number of requested poses. At the
  * end the last one. */
 int guide_number(const guide *self, int *out_of);

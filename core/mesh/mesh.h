@@ -38,7 +38,7 @@ typedef struct mesh_material {
     float base_colour[4]; /* linear RGBA, 0..1: multiplies the base texture and mesh.colour */
     float roughness;      /* 0..1 */
     float metallic;       /* 0..1 */
-    bool says_roughness;  /* the file has a roughness; false: default of the format */
+    bool has_roughness;   /* the file has a roughness; false: default of the format */
     bool is_single_sided; /* back faces are not drawn */
     mesh_alpha alpha;
     float alpha_cutoff; /* MASK: a lower alpha is not drawn */

@@ -302,7 +302,7 @@ static void update_block(shading *self, const shading_shape *now, uint32_t block
 
 void shading_update(shading *self, const shading_shape *now)
 {
-    if (!stamps_has_news(&self->seen, now->written))
+    if (!stamps_may_have_changes(&self->seen, now->written))
         return;
     for (uint32_t block = 0; block < self->block_count; ++block) {
         self->is_new[block] = stamps_is_new(&self->seen, now->written, block);

@@ -209,7 +209,7 @@ static bool get_plain(mrt_sample *out, const chunk_head *head, const uint8_t *pl
     get_sequences(out, &in, head->sample_count);
     for (uint32_t c = 0; c < head->channel_count && !in.failed; ++c) {
         uint8_t kind;
-        bytes_take(&in, &kind, sizeof kind);
+        bytes_read(&in, &kind, sizeof kind);
         if (kind == COLUMN_WHOLE)
             get_whole(out, &in, head->sample_count, c);
         else if (kind == COLUMN_FLOAT)
@@ -357,14 +357,14 @@ static mrt_result get_head(chunk_head *out, size_t *out_plain_size, bytes_in *in
                          CHUNK_VERSION);
     uint8_t version;
     int64_t from_ns = 0;
-    bytes_take(in, &version, sizeof version);
-    uint32_t crc = bytes_take_u32(in);
+    bytes_read(in, &version, sizeof version);
+    uint32_t crc = bytes_read_u32(in);
     if (in->failed || in->end - in->at > INT32_MAX)
         return error_set(err, MRT_ERR_FORMAT, "%s: its size is invalid", damaged);
     if (crc32(0, in->at, (uInt)(in->end - in->at)) != crc)
         return error_set(err, MRT_ERR_FORMAT, "%s: its CRC-32 differs", damaged);
     uint64_t track = get_varint(in), ordinal = get_varint(in);
-    bytes_take(in, &from_ns, sizeof from_ns);
+    bytes_read(in, &from_ns, sizeof from_ns);
     uint64_t sample_count = get_varint(in), channel_count = get_varint(in);
     uint64_t plain_size = get_varint(in);
     if (in->failed || track > INT64_MAX || ordinal > UINT32_MAX || sample_count == 0 ||

@@ -179,7 +179,7 @@ static mrt_result salvage_page(pages *in, const uint8_t page[PAGE_BYTES],
     if (page[0] != LEAF_OF_TABLE || LEAF_HEAD + 2 * cell_count > PAGE_BYTES)
         return MRT_OK;
     for (uint32_t i = 0; i < cell_count && result >= 0; ++i) {
-        if (cancel_is_asked() || budget_spend_work(in->left, STEPS_A_CELL, NULL) < 0)
+        if (cancel_is_requested() || budget_spend_work(in->left, STEPS_A_CELL, NULL) < 0)
             return MRT_END;
         salvaged_row row;
         uint64_t size, id;
@@ -263,7 +263,7 @@ typedef struct recovery {
 static bool pay(recovery *self, uint64_t steps)
 {
     self->out->is_cut |= budget_spend_work(&self->left, steps, NULL) < 0;
-    return !self->out->is_cut && !cancel_is_asked();
+    return !self->out->is_cut && !cancel_is_requested();
 }
 
 static bool is_whole_chunk(recovery *self, sqlite_statement *row)
@@ -559,8 +559,8 @@ static mrt_result copy_file(const char *path, FILE *out, error *err)
             const uint64_t left = end - begin;
             const ssize_t got =
                 pread(in, piece, left < sizeof piece ? left : sizeof piece, (off_t)begin);
-            good =
-                got > 0 && fwrite(piece, 1, (size_t)got, out) == (size_t)got && !cancel_is_asked();
+            good = got > 0 && fwrite(piece, 1, (size_t)got, out) == (size_t)got &&
+                   !cancel_is_requested();
             begin += good ? (uint64_t)got : 0;
         }
     }

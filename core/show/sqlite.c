@@ -304,7 +304,7 @@ static int guard_init(guard *self, bool is_fresh)
 
 static bool is_cancelled(const sqlite *self)
 {
-    return !self->ignores_cancel && cancel_is_asked();
+    return !self->ignores_cancel && cancel_is_requested();
 }
 
 static int look(void *data)

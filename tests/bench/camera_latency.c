@@ -136,7 +136,7 @@ static int64_t await_face(live *stage, int64_t *last_ns)
     const int64_t until_ns = clock_now_ns() + patience_ns;
     for (;;) {
         const live_view *view;
-        if (live_look(stage, &view) && view->sample_ns > *last_ns) {
+        if (live_read_view(stage, &view) && view->sample_ns > *last_ns) {
             *last_ns = view->sample_ns;
             return view->published_ns;
         }

@@ -837,7 +837,7 @@ static live live_hold(scene *s, const float *angle_rad, random_source *noise)
     return l;
 }
 
-static void live_look(const live *l, double *out)
+static void live_read_view(const live *l, double *out)
 {
     composer_draw(l->s->live->composer);
     measure_points(l->s, composer_face(l->s->live->composer), out);
@@ -852,11 +852,11 @@ static void live_noise(double *out_mm, uint32_t count, scene *s, const float *an
     double *still = allocate(point_numbers(s), sizeof *still),
            *now = allocate(point_numbers(s), sizeof *now);
     live l = live_hold(s, angle_rad, NULL);
-    live_look(&l, still);
+    live_read_view(&l, still);
     l = live_hold(s, angle_rad, noise);
     for (uint32_t n = 0; n < count; ++n) {
         live_step(&l, angle_rad, noise);
-        live_look(&l, now);
+        live_read_view(&l, now);
         out_mm[n] = region_rms(s, LIPS, still, now);
     }
     free(still);

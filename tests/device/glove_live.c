@@ -88,7 +88,7 @@ static bool take(live *self, mrt_sample *out)
             return false;
         clock_sleep_until_ns(clock_now_ns() + 2 * NS_PER_MS);
     }
-    input_take(self->input);
+    input_pop(self->input);
     return true;
 }
 
@@ -193,7 +193,7 @@ static void a_glove_that_died_is_lost_and_its_input_stops(void **state)
     mrt_sample sample;
     while (input_state_of(self.input) != INPUT_LOST && clock_now_ns() < end_ns)
         if (input_peek(self.input, &sample))
-            input_take(self.input);
+            input_pop(self.input);
         else
             clock_sleep_until_ns(clock_now_ns() + 2 * NS_PER_MS);
     assert_int_equal(input_state_of(self.input), INPUT_LOST);

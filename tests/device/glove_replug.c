@@ -99,9 +99,9 @@ static void see_incident(void *data, const input *from, const input_incident *wh
     (void)from;
     (void)time_s;
     seen *self = data;
-    if (what->kind == INPUT_WENT)
+    if (what->kind == INPUT_WAS_LOST)
         atomic_fetch_add(&self->went_count, 1);
-    else if (what->kind == INPUT_CAME)
+    else if (what->kind == INPUT_IS_BACK)
         atomic_fetch_add(&self->came_count, 1);
 }
 

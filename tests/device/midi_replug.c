@@ -42,7 +42,7 @@ static void move(int device, input *in, uint8_t number, const char *name)
         uint32_t count;
         (void)!write(device, bytes, sizeof bytes); /* nothing where it is not read */
         clock_sleep_until_ns(clock_now_ns() + 5 * NS_PER_MS);
-        for (; input_peek(in, &sample); input_take(in)) {
+        for (; input_peek(in, &sample); input_pop(in)) {
             const mrt_channel *channel = input_channels_of(in, input_version(in), &count);
             assert_int_equal(sample.count, count);
             for (uint32_t i = 0; i < count; ++i)

@@ -55,7 +55,7 @@ static void wait_for_switch(pedal_room *self, float wanted)
     for (;;) {
         uint32_t seen = wake_seen(&self->signal);
         while (input_peek(self->input, &self->last)) {
-            input_take(self->input);
+            input_pop(self->input);
             if (self->last.value[0] == wanted)
                 return;
         }
@@ -71,7 +71,7 @@ static input_incident wait_for_incident(pedal_room *self, input_incident_kind ki
     int64_t until_ns = clock_now_ns() + patience_ns;
     for (;;) {
         uint32_t seen = wake_seen(&self->signal);
-        while (input_take_incident(self->input, &incident))
+        while (input_pop_incident(self->input, &incident))
             if (incident.kind == kind)
                 return incident;
         if (clock_now_ns() > until_ns)
@@ -89,10 +89,10 @@ static void a_pedal_comes_back_by_itself(void **state)
     wait_for_switch(&room, 1);
     pedal_unit_unplug(unit, EPROTO);
     wait_for_switch(&room, 0);
-    input_incident went = wait_for_incident(&room, INPUT_WENT);
+    input_incident went = wait_for_incident(&room, INPUT_WAS_LOST);
     assert_non_null(strstr(went.text, "went away"));
     unit = pedal_double_plug(*state, "1-2", 3, &VEC);
-    wait_for_incident(&room, INPUT_CAME);
+    wait_for_incident(&room, INPUT_IS_BACK);
     REPORT(unit, 1, 0); /* umockdev may lose it once more: it mistakes files of two threads */
     wait_for_switch(&room, 1);
     leave_room(&room);
@@ -111,10 +111,10 @@ static void no_pedal_sticks_in_a_hundred_losses(void **state)
         wait_for_switch(&room, 1);
         pedal_unit_unplug(unit, i % 2 ? EPROTO : ESHUTDOWN);
         wait_for_switch(&room, 0);
-        wait_for_incident(&room, INPUT_WENT);
+        wait_for_incident(&room, INPUT_WAS_LOST);
         int64_t back_ns = clock_now_ns();
         unit = pedal_double_plug(*state, "1-2", 3 + i, &VEC);
-        wait_for_incident(&room, INPUT_CAME);
+        wait_for_incident(&room, INPUT_IS_BACK);
         if (clock_now_ns() - back_ns > longest_ns)
             longest_ns = clock_now_ns() - back_ns;
         if (i == 9)
@@ -134,7 +134,7 @@ static void a_lost_pedal_does_not_hold_up_the_end(void **state)
     pedal_unit *unit = pedal_double_plug(*state, "1-2", 2, &VEC);
     enter_room(&room, "usb:1-2");
     pedal_unit_unplug(unit, EPROTO);
-    wait_for_incident(&room, INPUT_WENT);
+    wait_for_incident(&room, INPUT_WAS_LOST);
     leave_room(&room);
 }
 

@@ -44,7 +44,7 @@ static void check_light(const char *text)
 
 static void check_rest(const char *text, bool is_picture)
 {
-    scenery made = scenery_usual();
+    scenery made = scenery_default();
     if (is_picture ? !scenery_parse_picture(&made, text) : !scenery_parse_views(&made, text))
         return;
     const size_t hash = strlen(made.picture), name = strlen(made.picture_name);

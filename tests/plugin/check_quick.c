@@ -65,7 +65,7 @@ static void every_rule_has_an_id_and_words_of_its_own(void **state)
         check_rule found;
         assert_true(check_rule_find(check_rule_id((check_rule)i), &found));
         assert_int_equal(found, i);
-        assert_true(strlen(check_rule_says((check_rule)i)) > 10);
+        assert_true(strlen(check_rule_text((check_rule)i)) > 10);
         assert_int_not_equal(check_rule_concerns((check_rule)i), 0);
     }
     check_rule none;

@@ -53,7 +53,7 @@ static void stand_up(stand *s, const char *face_name, isolate_which isolation)
 static void lie_down(stand *s)
 {
     outputs_destroy(s->outputs);
-    face_board_drop(s->board);
+    face_board_release(s->board);
     plugin_list_destroy(&s->plugins);
     fixture_tear_down(&s->fixture);
     log_queue_destroy(s->log);
@@ -689,7 +689,7 @@ static void ifacialmocap_answers_its_greeting_in_both_versions(void **state)
         clock_sleep_until_ns(clock_now_ns() + NS_PER_MS);
     assert_non_null(strstr(status_of(&s, 0).trouble, "49983")); /* the port is in use */
     close(taken);                                               /* and comes back by itself */
-    while (status_of(&s, 0).state != OUTPUT_UNHEARD && clock_now_ns() < until_ns)
+    while (status_of(&s, 0).state != OUTPUT_NO_RECEIVER && clock_now_ns() < until_ns)
         publish(&s);
     for (int version = 0; version < 2; ++version) {
         size_t size = 0;
@@ -730,7 +730,7 @@ static void ifacialmocap_forgets_who_does_not_listen(void **state)
     add(&s, path, 49983, ""); /* loads it; of this computer's usual address */
     outputs_remove(s.outputs, 0);
     scene_must(outputs_add(s.outputs, "ifacialmocap:127.0.0.4:49983", &err), &err);
-    wait_for_state(&s, 0, OUTPUT_UNHEARD);
+    wait_for_state(&s, 0, OUTPUT_NO_RECEIVER);
     for (int round = 0; round < 2; ++round) { /* and it may come back */
         int fd = listen_at("127.0.0.5", 49983);
         int64_t until_ns = clock_now_ns() + patience_ns;
@@ -742,7 +742,7 @@ static void ifacialmocap_forgets_who_does_not_listen(void **state)
         wait_for_state(&s, 0, OUTPUT_SENDS);
         close(fd);
         if (round == 0)
-            wait_for_state(&s, 0, OUTPUT_UNHEARD);
+            wait_for_state(&s, 0, OUTPUT_NO_RECEIVER);
     }
     lie_down(&s);
 }
@@ -819,7 +819,7 @@ static void garbage_in_place_of_vtube_studio_is_borne(void **state)
         publish(&s);
         close(peer);
     }
-    wait_for_state(&s, 0, OUTPUT_UNHEARD);
+    wait_for_state(&s, 0, OUTPUT_NO_RECEIVER);
     lie_down(&s);
     close(fd);
 }

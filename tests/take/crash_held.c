@@ -124,7 +124,7 @@ static void *hold_frame_thread(void *data)
 {
     error ignored;
     live_fixture *d = data;
-    (void)!live_ask(d->live, stand_still, NULL, &ignored);
+    (void)!live_run_command(d->live, stand_still, NULL, &ignored);
     return NULL;
 }
 

@@ -107,7 +107,7 @@ static sound_device_state state_of(sound *of)
 {
     sound_play_status status;
     sound_update(of);
-    sound_play_look(of, &status);
+    sound_play_read_status(of, &status);
     return status.device.state;
 }
 
@@ -133,7 +133,7 @@ static void whatever_devices_there_are_a_show_goes_on(void **state)
     sound_motion motion = {.host_ns = clock_now_ns(), .speed = 1.0};
     sound_move(heard, &motion);
     WAIT_UNTIL(state_of(heard) != SOUND_DEVICE_OFF);
-    sound_play_look(heard, &status);
+    sound_play_read_status(heard, &status);
     assert_true(status.device.state == SOUND_DEVICE_RUNNING || status.text[0]);
     sound_destroy(heard);
     show_close(s);
@@ -198,7 +198,7 @@ static bool is_heard(sound *of)
 {
     sound_play_status status;
     sound_update(of);
-    sound_play_look(of, &status);
+    sound_play_read_status(of, &status);
     return status.is_heard;
 }
 
@@ -289,7 +289,7 @@ static void a_device_that_never_answers_is_left_behind(void **state)
         &err);
     sound_device_want(device, &request);
     WAIT_UNTIL(atomic_load(&has_asked));
-    assert_int_equal(sound_device_look(device)->state, SOUND_DEVICE_OFF);
+    assert_int_equal(sound_device_read_status(device)->state, SOUND_DEVICE_OFF);
     int64_t from_ns = clock_now_ns();
     assert_false(sound_device_destroy(device));
     assert_true(clock_now_ns() - from_ns < 30 * NS_PER_S);

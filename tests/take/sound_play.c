@@ -207,7 +207,7 @@ static void beats_are_heard_in_time_without_a_sound(void **state)
     beat(s, 1.0, 100000000, SOUND_BEATS_AFTER);
     listen(s, 10.0, &heard);
     must_be_beats(&heard, 20, 1);
-    sound_play_look(s->sound, &status);
+    sound_play_read_status(s->sound, &status);
     assert_int_equal(status.click_count, 20);
     beat(s, 0.0, 0, SOUND_BEATS_AFTER); /* what stands still has none */
     listen(s, 2.0, &heard);
@@ -270,7 +270,7 @@ static void a_take_is_heard_in_time(void **state)
     run_blind(s, 1.0);
     move(s, 1.0, 0);
     run(s, 20.0, 0.5, 0.5, 0);
-    sound_play_look(s->sound, &status);
+    sound_play_read_status(s->sound, &status);
     print_message("20 s at +100 ppm: off by %.3f ms at worst, %llu spliced\n", s->worst_ms,
                   (unsigned long long)status.spliced_count);
     assert_true(s->worst_ms < 0.6);
@@ -340,7 +340,7 @@ static void a_loop_is_played_around_without_being_told(void **state)
     assert_true(s->worst_ms < 0.6);
     assert_true(s->silent < 100); /* an instant at each of 38 seams */
     sound_play_status status;
-    sound_play_look(s->sound, &status);
+    sound_play_read_status(s->sound, &status);
     assert_int_equal(status.starved_count, 0);
     assert_int_equal(status.jumped_count, 0);
 }
@@ -398,7 +398,7 @@ static void a_sound_of_another_rate_opens_the_device_anew(void **state)
     assert_int_equal(s->host.device[SOUND_OUT].open_count, 2);
     move(s, 1.0, 0);
     run_blind(s, 1.0);
-    sound_play_look(s->sound, &status);
+    sound_play_read_status(s->sound, &status);
     assert_int_equal(status.device.stream.rate_hz, 32000);
     assert_true(status.is_heard);
     assert_non_null(strstr(status.text, "first 2 of 3 channels"));
@@ -413,7 +413,7 @@ static void at_other_speeds_it_says_that_it_is_muted(void **state)
     move(s, 0.5, 0);
     run(s, 1.0, 0, 1.0, 1e18);
     assert_int_equal(s->heard, 0);
-    sound_play_look(s->sound, &status);
+    sound_play_read_status(s->sound, &status);
     assert_non_null(strstr(status.text, "muted at 0.5x"));
 }
 
@@ -426,18 +426,18 @@ static void without_a_device_there_is_a_sentence_and_nothing_stops(void **state)
     load(s, s->audio, 0, 1.0);
     move(s, 1.0, 0);
     run_blind(s, 3.0);
-    sound_play_look(s->sound, &status);
+    sound_play_read_status(s->sound, &status);
     assert_int_equal(status.device.state, SOUND_DEVICE_AWAY);
     assert_string_equal(status.text, "sound: nothing was found");
     out->is_there = true;
     out->refusal = "it is busy";
     run_blind(s, 3.0);
-    sound_play_look(s->sound, &status);
+    sound_play_read_status(s->sound, &status);
     assert_string_equal(status.text, "sound: it is busy");
     out->refusal = NULL;
     /* It is there, and what is played has gone on meanwhile. */
     run_blind(s, 3.0);
-    sound_play_look(s->sound, &status);
+    sound_play_read_status(s->sound, &status);
     assert_string_equal(status.text, "");
     run(s, 2.0, 0, 1.0, 0);
     assert_true(s->worst_ms < 0.6);
@@ -456,7 +456,7 @@ static void a_device_that_is_unplugged_is_found_again(void **state)
     out->is_dead = true;
     out->is_there = false;
     run_blind(s, 1.0);
-    sound_play_look(s->sound, &status);
+    sound_play_read_status(s->sound, &status);
     assert_int_equal(status.device.state, SOUND_DEVICE_AWAY);
     assert_int_equal(status.device.lost_count, 1);
     assert_non_null(strstr(status.text, "unplugged"));
@@ -477,7 +477,7 @@ static void a_device_that_falls_silent_is_given_up(void **state)
     run_blind(s, 1.0);
     out->is_running = false; /* and says that all is well */
     run_blind(s, 4.0);
-    sound_play_look(s->sound, &status);
+    sound_play_read_status(s->sound, &status);
     assert_int_equal(status.device.lost_count, 1);
 }
 
@@ -490,7 +490,7 @@ static void a_device_of_another_rate_is_heard_in_time(void **state)
     run_blind(s, 1.0);
     move(s, 1.0, 0);
     run(s, 5.0, 0, 1.0, 0.05e9);
-    sound_play_look(s->sound, &status);
+    sound_play_read_status(s->sound, &status);
     print_message("48 kHz by a device of 44.1: off by %.3f ms at worst\n", s->worst_ms);
     assert_int_equal(status.device.state, SOUND_DEVICE_RUNNING);
     assert_int_equal(status.device.stream.rate_hz, 44100);

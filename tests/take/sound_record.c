@@ -99,7 +99,7 @@ static sound_record_status disarm(stage *s)
     }
     assert_false(sound_is_armed(s->sound));
     scene_must(writer_flush(s->writer, &err), &err);
-    sound_in_look(s->sound, &status);
+    sound_in_read_status(s->sound, &status);
     return status.record;
 }
 
@@ -151,7 +151,7 @@ static void what_was_said_is_heard_when_it_was_said(void **state)
     sound_in_status status;
     arm(s);
     speak(s, 60.0);
-    sound_in_look(s->sound, &status);
+    sound_in_read_status(s->sound, &status);
     assert_true(fabs(status.record.drift_ppm + 130.0) < 10.0);
     assert_true(fabsf(status.record.peak - 60.0f * RATE / SCALE) < 0.01f);
     sound_record_status done = disarm(s);
@@ -248,13 +248,13 @@ static void a_microphone_that_is_unplugged_goes_on_in_the_same_sound(void **stat
     in->is_dead = true;
     in->is_there = false;
     speak(s, 1.0);
-    sound_in_look(s->sound, &status);
+    sound_in_read_status(s->sound, &status);
     assert_int_equal(status.device.state, SOUND_DEVICE_AWAY);
     assert_non_null(strstr(status.device.text, "unplugged"));
     speak(s, 4.0);
     in->is_there = true;
     speak(s, 12.0);
-    sound_in_look(s->sound, &status);
+    sound_in_read_status(s->sound, &status);
     assert_int_equal(status.device.state, SOUND_DEVICE_RUNNING);
     sound_record_status done = disarm(s);
     assert_int_equal(done.gap_count, 1);
@@ -269,7 +269,7 @@ static void without_a_microphone_there_is_a_sentence(void **state)
     s->host.device[SOUND_IN].is_there = false;
     arm(s);
     speak(s, 3.0);
-    sound_in_look(s->sound, &status);
+    sound_in_read_status(s->sound, &status);
     assert_int_equal(status.device.state, SOUND_DEVICE_AWAY);
     assert_string_equal(status.device.text, "sound: nothing was found");
     sound_record_status done = disarm(s);
@@ -301,7 +301,7 @@ static void a_program_that_ends_keeps_what_was_said(void **state)
     sound_in_status status;
     arm(s);
     speak(s, 2.0);
-    sound_in_look(s->sound, &status);
+    sound_in_read_status(s->sound, &status);
     sound_destroy(s->sound);
     s->sound = NULL;
     scene_must(writer_flush(s->writer, &err), &err);

@@ -182,14 +182,14 @@ static void slot_gives_the_newest_value_only_once(void **state)
     publish_slot slot;
     int value[3] = {0, 0, 0};
     slot_init(&slot);
-    assert_false(slot_take(&slot));
+    assert_false(slot_receive(&slot));
     for (int i = 1; i <= 3; ++i) {
         value[slot_back(&slot)] = i;
         slot_publish(&slot);
     }
-    assert_true(slot_take(&slot));
+    assert_true(slot_receive(&slot));
     assert_int_equal(value[slot_front(&slot)], 3);
-    assert_false(slot_take(&slot));
+    assert_false(slot_receive(&slot));
     assert_int_not_equal(slot_back(&slot), slot_front(&slot));
 }
 
@@ -220,7 +220,7 @@ static void log_loses_nothing_silently_with_many_writers(void **state)
         assert_memory_equal(record.text, "word ", 5);
         got += 1;
     }
-    assert_int_equal(got + log_take_lost(queue), TALKERS * WORDS);
+    assert_int_equal(got + log_pop_lost(queue), TALKERS * WORDS);
     log_queue_destroy(queue);
 }
 

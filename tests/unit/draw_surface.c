@@ -16,7 +16,7 @@ static surface surface_named(const char *name, float roughness, float metallic)
                        .base_colour = {0.5f, 0.5f, 0.5f, 1.0f},
                        .roughness = roughness,
                        .metallic = metallic,
-                       .says_roughness = true};
+                       .has_roughness = true};
     return surface_of(&m);
 }
 
@@ -39,7 +39,7 @@ static void a_default_roughness_makes_no_felt(void **state)
     m.name = name;
     m.roughness = 1.0f;
     assert_int_equal(surface_of(&m).kind, SURFACE_SMOOTH);
-    m.says_roughness = true;
+    m.has_roughness = true;
     assert_int_equal(surface_of(&m).kind, SURFACE_FELT);
     m.base.image = 1; /* it has colours of its own */
     assert_int_equal(surface_of(&m).kind, SURFACE_PAINTED);

@@ -178,9 +178,9 @@ static void a_process_of_its_own_sees_the_same(void **state)
     give(all, box, 5, 0.25f);
     give(all, pad, 6, 0.75f);
     block->frame = (mrt_frame){.inputs = all->shown, .input_count = all->count};
-    isolate_inputs_put(block, &block->frame);
+    isolate_inputs_write(block, &block->frame);
     free(all);
-    isolate_inputs_take(block, seen);
+    isolate_inputs_read(block, seen);
     assert_int_equal(block->frame.input_count, 2);
     assert_string_equal(block->frame.inputs[1].name, "gamepad 1");
     assert_string_equal(block->frame.inputs[1].channel[1].name, "pitch");

@@ -13,7 +13,7 @@
 static void ten_poses_give_the_glove_s_own_gains(void **state)
 {
     (void)state;
-    guide_settings settings = guide_settings_usual(MRT_LEFT, ALL_22);
+    guide_settings settings = guide_settings_default(MRT_LEFT, ALL_22);
     glove g = put_on(&settings);
     perform_until(&g, GUIDE_STEPS);
     calibration_file file;
@@ -45,7 +45,7 @@ static void ten_poses_give_the_glove_s_own_gains(void **state)
 static void shipped_gains_hold_where_poses_tell_only_the_zero(void **state)
 {
     (void)state;
-    guide_settings settings = guide_settings_usual(MRT_RIGHT, ALL_18);
+    guide_settings settings = guide_settings_default(MRT_RIGHT, ALL_18);
     glove g = put_on(&settings);
     perform_until(&g, GUIDE_STEPS);
     calibration_file file;
@@ -65,7 +65,7 @@ static void shipped_gains_hold_where_poses_tell_only_the_zero(void **state)
 static void residual_is_what_a_known_pose_is_misread_by(void **state)
 {
     (void)state;
-    guide_settings settings = guide_settings_usual(MRT_RIGHT, ALL_22);
+    guide_settings settings = guide_settings_default(MRT_RIGHT, ALL_22);
     glove g = put_on(&settings);
     perform_until(&g, GUIDE_THUMB_ALONE);
     for (guide_step step = GUIDE_THUMB_ALONE; step < GUIDE_STEPS; ++step) {
@@ -88,7 +88,7 @@ static void residual_is_what_a_known_pose_is_misread_by(void **state)
 static void a_pose_is_not_taken_before_the_hand_has_moved(void **state)
 {
     (void)state;
-    guide_settings settings = guide_settings_usual(MRT_RIGHT, ALL_22);
+    guide_settings settings = guide_settings_default(MRT_RIGHT, ALL_22);
     glove g = put_on(&settings);
     perform(&g, GUIDE_RELAXED);
     assert_int_equal(guide_current(g.guide), GUIDE_FLAT);
@@ -102,7 +102,7 @@ static void a_pose_is_not_taken_before_the_hand_has_moved(void **state)
 static void a_pose_is_not_taken_while_the_hand_moves(void **state)
 {
     (void)state;
-    guide_settings settings = guide_settings_usual(MRT_RIGHT, ALL_22);
+    guide_settings settings = guide_settings_default(MRT_RIGHT, ALL_22);
     glove g = put_on(&settings);
     for (int k = 0; k < 1500; ++k) { /* 10 s of 20 degrees to and fro */
         g.pose[SENSOR_INDEX_MPJ] = k % 150 < 75 ? k % 75 * 0.27 : 20.0 - k % 75 * 0.27;
@@ -116,7 +116,7 @@ static void a_pose_is_not_taken_while_the_hand_moves(void **state)
 static void next_takes_the_pose_at_once(void **state)
 {
     (void)state;
-    guide_settings settings = guide_settings_usual(MRT_RIGHT, ALL_22);
+    guide_settings settings = guide_settings_default(MRT_RIGHT, ALL_22);
     glove g = put_on(&settings);
     assert_int_equal(guide_next(g.guide), GUIDE_REFUSED);
     assert_string_equal(guide_reason(g.guide), "the glove gives no samples");
@@ -132,7 +132,7 @@ static void next_takes_the_pose_at_once(void **state)
 static void a_fist_like_the_flat_hand_is_refused_and_names_the_sensors(void **state)
 {
     (void)state;
-    guide_settings settings = guide_settings_usual(MRT_RIGHT, ALL_22);
+    guide_settings settings = guide_settings_default(MRT_RIGHT, ALL_22);
     glove g = put_on(&settings);
     perform_until(&g, GUIDE_FIST);
     double pose[MRT_ANGLES];
@@ -154,7 +154,7 @@ static void a_fist_like_the_flat_hand_is_refused_and_names_the_sensors(void **st
 static void one_dead_sensor_is_said_and_keeps_the_shipped_gain(void **state)
 {
     (void)state;
-    guide_settings settings = guide_settings_usual(MRT_RIGHT, ALL_22);
+    guide_settings settings = guide_settings_default(MRT_RIGHT, ALL_22);
     glove g = put_on(&settings);
     g.counts[SENSOR_RING_MPJ] = 0;
     perform_until(&g, GUIDE_FIST);
@@ -173,7 +173,7 @@ static void one_dead_sensor_is_said_and_keeps_the_shipped_gain(void **state)
 static void the_wrong_finger_is_refused_by_name(void **state)
 {
     (void)state;
-    guide_settings settings = guide_settings_usual(MRT_RIGHT, ALL_22);
+    guide_settings settings = guide_settings_default(MRT_RIGHT, ALL_22);
     glove g = put_on(&settings);
     perform_until(&g, GUIDE_INDEX_ALONE);
     perform(&g, GUIDE_RING_ALONE);
@@ -191,7 +191,7 @@ static void the_wrong_finger_is_refused_by_name(void **state)
 static void the_flat_hand_cannot_be_skipped_the_others_can(void **state)
 {
     (void)state;
-    guide_settings settings = guide_settings_usual(MRT_RIGHT, ALL_22);
+    guide_settings settings = guide_settings_default(MRT_RIGHT, ALL_22);
     glove g = put_on(&settings);
     calibration_file file;
     error err = {""};
@@ -215,7 +215,7 @@ static void the_flat_hand_cannot_be_skipped_the_others_can(void **state)
 static void a_step_can_be_repeated_and_the_later_pose_counts(void **state)
 {
     (void)state;
-    guide_settings settings = guide_settings_usual(MRT_RIGHT, ALL_22);
+    guide_settings settings = guide_settings_default(MRT_RIGHT, ALL_22);
     glove g = put_on(&settings);
     perform_until(&g, GUIDE_FIST);
     double half[MRT_ANGLES];
@@ -242,7 +242,7 @@ static void a_step_can_be_repeated_and_the_later_pose_counts(void **state)
 static void a_pose_made_again_may_be_skipped_and_the_old_one_counts(void **state)
 {
     (void)state;
-    guide_settings settings = guide_settings_usual(MRT_RIGHT, ALL_22);
+    guide_settings settings = guide_settings_default(MRT_RIGHT, ALL_22);
     glove g = put_on(&settings);
     perform_until(&g, GUIDE_STEPS);
     for (guide_step step = GUIDE_RELAXED; step < GUIDE_STEPS; ++step) {
@@ -266,7 +266,7 @@ static void a_pose_made_again_may_be_skipped_and_the_old_one_counts(void **state
 static void a_step_without_a_pose_times_out_and_says_why(void **state)
 {
     (void)state;
-    guide_settings settings = guide_settings_usual(MRT_RIGHT, ALL_22);
+    guide_settings settings = guide_settings_default(MRT_RIGHT, ALL_22);
     settings.timeout_s = 5.0;
     glove g = put_on(&settings);
     perform(&g, GUIDE_RELAXED);
@@ -280,7 +280,7 @@ static void a_step_without_a_pose_times_out_and_says_why(void **state)
 static void a_device_that_is_away_costs_no_time_and_no_pose(void **state)
 {
     (void)state;
-    guide_settings settings = guide_settings_usual(MRT_RIGHT, ALL_22);
+    guide_settings settings = guide_settings_default(MRT_RIGHT, ALL_22);
     settings.timeout_s = 5.0;
     glove g = put_on(&settings);
     perform(&g, GUIDE_RELAXED);
@@ -294,7 +294,7 @@ static void a_device_that_is_away_costs_no_time_and_no_pose(void **state)
 static void values_that_are_no_numbers_are_ignored(void **state)
 {
     (void)state;
-    guide_settings settings = guide_settings_usual(MRT_RIGHT, ALL_18);
+    guide_settings settings = guide_settings_default(MRT_RIGHT, ALL_18);
     guide *self = guide_create(&settings);
     float raw[MRT_ANGLES] = {0}, low[MRT_ANGLES], high[MRT_ANGLES];
     raw[6] = NAN; /* the glove lacks it */
@@ -377,18 +377,18 @@ static void a_bare_hand_takes_three_poses_and_ten_seconds(void **state)
     error err = {""};
     int of, asked = 0;
     for (guide_step step = 0; step < GUIDE_STEPS; ++step)
-        asked += guide_asks(s.guide, step);
+        asked += guide_is_requested(s.guide, step);
     assert_int_equal(asked, 3);
     for (int k = 0; k < 3; ++k) {
         assert_int_equal(guide_current(s.guide), steps[k]);
         assert_int_equal(guide_number(s.guide, &of), k + 1);
         assert_int_equal(of, 3);
-        assert_true(strlen(guide_words(s.guide)) > 20);
+        assert_true(strlen(guide_instruction(s.guide)) > 20);
         pose_of(pose, steps[k]);
         assert_int_equal(show(&s, pose), GUIDE_TAKEN);
     }
     assert_true(s.time_ns - 7000000000 < 10000000000);
-    assert_string_equal(guide_words(s.guide), "");
+    assert_string_equal(guide_instruction(s.guide), "");
     assert_int_equal(guide_result(s.guide, &file, &err), MRT_OK);
     guide_judge(&judgement, s.guide, &file);
     assert_int_equal(judgement.flaw_count, 0);

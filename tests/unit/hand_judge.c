@@ -25,7 +25,7 @@ static guide_judgement judge(const glove *g)
 static void a_glove_that_fits_has_no_flaw(void **state)
 {
     (void)state;
-    guide_settings settings = guide_settings_usual(MRT_RIGHT, ALL_22);
+    guide_settings settings = guide_settings_default(MRT_RIGHT, ALL_22);
     glove g = put_on(&settings);
     char text[128];
     perform_until(&g, GUIDE_STEPS);
@@ -40,7 +40,7 @@ static void a_glove_that_fits_has_no_flaw(void **state)
 static void a_finger_bent_where_it_should_be_straight_names_the_pose_to_repeat(void **state)
 {
     (void)state;
-    guide_settings settings = guide_settings_usual(MRT_RIGHT, ALL_22);
+    guide_settings settings = guide_settings_default(MRT_RIGHT, ALL_22);
     glove g = put_on(&settings);
     char text[256];
     perform_until(&g, GUIDE_LITTLE_ALONE);
@@ -70,7 +70,7 @@ static void a_finger_bent_where_it_should_be_straight_names_the_pose_to_repeat(v
 static void a_flat_hand_that_was_not_flat_is_what_to_repeat(void **state)
 {
     (void)state;
-    guide_settings settings = guide_settings_usual(MRT_RIGHT, ALL_22);
+    guide_settings settings = guide_settings_default(MRT_RIGHT, ALL_22);
     glove g = put_on(&settings);
     perform_until(&g, GUIDE_FLAT);
     double pose[MRT_ANGLES];
@@ -92,7 +92,7 @@ static void a_flat_hand_that_was_not_flat_is_what_to_repeat(void **state)
 static void half_a_fist_and_a_dead_sensor_are_flaws_of_the_fist(void **state)
 {
     (void)state;
-    guide_settings settings = guide_settings_usual(MRT_RIGHT, ALL_22);
+    guide_settings settings = guide_settings_default(MRT_RIGHT, ALL_22);
     glove g = put_on(&settings);
     g.counts[SENSOR_RING_MPJ] = 0;
     perform_until(&g, GUIDE_FIST);
@@ -115,7 +115,7 @@ static void half_a_fist_and_a_dead_sensor_are_flaws_of_the_fist(void **state)
 static void cloth_that_slips_is_loose_and_no_more(void **state)
 {
     (void)state;
-    guide_settings settings = guide_settings_usual(MRT_RIGHT, ALL_22);
+    guide_settings settings = guide_settings_default(MRT_RIGHT, ALL_22);
     glove g = put_on(&settings);
     char text[256];
     perform_until(&g, GUIDE_RING_ALONE);

@@ -253,7 +253,7 @@ static void a_report_is_never_half_of_two(void **state)
     assert_int_equal(pthread_create(&poster, NULL, post, &board), 0);
     while (r.sample_count < POSTS) {
         uint64_t last = r.sample_count;
-        health_look(&board, &r);
+        health_read(&board, &r);
         assert_true(r.sample_count >= last);
         assert_int_equal(r.gap_count, r.sample_count);
         assert_int_equal(r.refused_count, r.sample_count);

@@ -36,12 +36,12 @@ static void follow(input *in, wake *signal, story *out, bool (*is_done)(const in
             out->pedal_edges += is_down && !out->pedal_down;
             out->pedal_down = is_down;
             out->samples += 1;
-            input_take(in);
+            input_pop(in);
         }
-        while (input_take_incident(in, &incident)) {
-            if (incident.kind == INPUT_WENT && out->went++ == 0)
+        while (input_pop_incident(in, &incident)) {
+            if (incident.kind == INPUT_WAS_LOST && out->went++ == 0)
                 snprintf(out->first_words, sizeof out->first_words, "%s", incident.text);
-            out->came += incident.kind == INPUT_CAME;
+            out->came += incident.kind == INPUT_IS_BACK;
             out->away_ns += incident.away_ns;
         }
         if (done)
@@ -269,7 +269,7 @@ static void on_a_virtual_clock_a_loss_is_the_end(void **state)
         input_create(&in, library->type, "", "rate=100,run=0.1", CLOCK_VIRTUAL, library->log, &err),
         MRT_OK);
     (void)lines_with(library->log, "");
-    for (; input_peek(in, &sample); input_take(in))
+    for (; input_peek(in, &sample); input_pop(in))
         samples += 1;
     assert_int_equal(samples, 10);
     assert_int_equal(input_state_of(in), INPUT_FAILED);
@@ -302,7 +302,7 @@ static void a_plugin_that_asks_is_opened_again_and_may_have_other_channels(void 
     assert_int_equal(input_create(&in, library->type, "", "rate=100,restart=0.1", CLOCK_VIRTUAL,
                                   library->log, &err),
                      MRT_OK);
-    for (uint32_t i = 0; i < 30; ++i, input_take(in)) {
+    for (uint32_t i = 0; i < 30; ++i, input_pop(in)) {
         assert_true(input_peek(in, &sample));
         assert_int_equal(input_version(in), i <= 10 ? 0 : 1);
     }

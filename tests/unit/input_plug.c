@@ -144,8 +144,8 @@ static void on_incident(void *data, const input *from, const input_incident *wha
     outcome *out = data;
     assert_non_null(strstr(input_name(from), "flaky"));
     assert_true(time_s > -1.0 && time_s < 100.0);
-    out->went += what->kind == INPUT_WENT;
-    out->came += what->kind == INPUT_CAME;
+    out->went += what->kind == INPUT_WAS_LOST;
+    out->came += what->kind == INPUT_IS_BACK;
     out->is_told_twice |= out->came > out->went;
 }
 

@@ -29,10 +29,10 @@ enum { PART_AT = 3 * sizeof(uint32_t) }; /* of the first pose */
 /* In memory of exactly that size. */
 static unsigned char *bytes_of(size_t *out_size)
 {
-    *out_size = isolate_mapped_put(NULL, 0, &face, poses, POSES);
+    *out_size = isolate_mapped_write(NULL, 0, &face, poses, POSES);
     unsigned char *bytes = malloc(*out_size);
     assert_non_null(bytes);
-    assert_int_equal(isolate_mapped_put(bytes, *out_size, &face, poses, POSES), *out_size);
+    assert_int_equal(isolate_mapped_write(bytes, *out_size, &face, poses, POSES), *out_size);
     return bytes;
 }
 
@@ -42,7 +42,7 @@ static mrt_result take(const unsigned char *bytes, size_t size)
     unsigned char *copy = malloc(size + 1);
     assert_non_null(copy);
     memcpy(copy, bytes, size);
-    mrt_result result = isolate_mapped_take(&out, copy, size);
+    mrt_result result = isolate_mapped_read(&out, copy, size);
     if (result < 0)
         assert_null(out.pose); /* nothing is left to free */
     isolate_mapped_finish(&out);
@@ -56,7 +56,7 @@ static void poses_arrive_bit_for_bit(void **state)
     size_t size;
     isolate_mapped out;
     unsigned char *bytes = bytes_of(&size);
-    assert_int_equal(isolate_mapped_take(&out, bytes, size), MRT_OK);
+    assert_int_equal(isolate_mapped_read(&out, bytes, size), MRT_OK);
     free(bytes); /* what was taken stays */
     assert_int_equal(out.face.face.contact_count, CONTACTS);
     assert_string_equal(out.face.face.contacts[1].bone, "jaw");
@@ -78,8 +78,8 @@ static void a_mesh_without_a_rig_has_no_poses(void **state)
     const mrt_face bare = {.low = {-1, -1, -1}, .high = {1, 1, 1}};
     unsigned char bytes[256];
     isolate_mapped out;
-    size_t size = isolate_mapped_put(bytes, sizeof bytes, &bare, NULL, 0);
-    assert_int_equal(isolate_mapped_take(&out, bytes, size), MRT_OK);
+    size_t size = isolate_mapped_write(bytes, sizeof bytes, &bare, NULL, 0);
+    assert_int_equal(isolate_mapped_read(&out, bytes, size), MRT_OK);
     assert_int_equal(out.pose_count, 0);
     assert_int_equal(out.face.face.contact_count, 0);
     isolate_mapped_finish(&out);
@@ -94,7 +94,7 @@ static void poses_without_room_are_counted_and_not_written(void **state)
     assert_non_null(bytes);
     for (size_t capacity = 0; capacity < size; ++capacity) {
         memset(bytes, 0x5c, size + 1);
-        assert_int_equal(isolate_mapped_put(bytes, capacity, &face, poses, POSES), size);
+        assert_int_equal(isolate_mapped_write(bytes, capacity, &face, poses, POSES), size);
         for (size_t i = capacity; i <= size; ++i)
             assert_int_equal(bytes[i], 0x5c);
     }
@@ -163,7 +163,7 @@ static void random_damage_is_taken_or_refused(void **state)
             damaged[(random >> 8) % size] ^= (unsigned char)(1u << (random >> 29));
         }
         isolate_mapped out;
-        if (isolate_mapped_take(&out, damaged, size) >= 0) {
+        if (isolate_mapped_read(&out, damaged, size) >= 0) {
             taken += 1;
             for (uint32_t i = 0; i < out.pose_count; ++i)
                 assert_true(strlen(out.pose[i].name) < ISOLATE_NAME);

@@ -111,7 +111,7 @@ static void a_material_keeps_what_it_says(void **state)
     assert_int_equal(look->alpha, MESH_ALPHA_MASK);
     assert_true(look->alpha_cutoff == 0.25f && look->base_colour[3] == 0.75f);
     assert_false(look->is_single_sided);
-    assert_false(look->says_roughness);
+    assert_false(look->has_roughness);
     assert_true(look->roughness == 1.0f && look->metallic == 0.25f);
     assert_true(look->emission_colour[0] == 1.0f && look->emission_colour[2] == 2.0f);
     assert_true(look->base.image == 1 && look->normal.image == 1 && look->emission.image == 0);
@@ -136,7 +136,7 @@ static void opaque_is_opaque_and_one_sided(void **state)
     mesh m = read_good("", "'materials':[{'pbrMetallicRoughness':{'roughnessFactor':0.9,"
                            "'baseColorFactor':[1,1,1,0.5]}}]");
     assert_true(m.material[0].base_colour[3] == 1.0f);
-    assert_true(m.material[0].is_single_sided && m.material[0].says_roughness);
+    assert_true(m.material[0].is_single_sided && m.material[0].has_roughness);
     assert_null(m.uv);
     mesh_destroy(&m);
 }

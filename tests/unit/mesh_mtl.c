@@ -96,7 +96,7 @@ static void a_material_has_the_colours_that_its_file_says(void **state)
     assert_true(look->emission_colour[1] == 0.5f && look->emission_colour[2] == 1.0f);
     assert_int_equal(look->alpha, MESH_ALPHA_BLEND);
     assert_false(look->is_single_sided);
-    assert_false(look->says_roughness);
+    assert_false(look->has_roughness);
     assert_int_equal(m.image_count, 0);
     mesh_destroy(&m);
 }

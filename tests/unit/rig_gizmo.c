@@ -48,12 +48,12 @@ static void both_ends_of_the_axis_move_as_in_a_mirror(void **state)
 {
     (void)state;
     rig_edit_jaw jaw = {.left = {68, -24, -8}, .right = {-68, -24, -8}, .open_max_rad = 0.5};
-    rig_gizmo_put(&jaw, RIG_HANDLE_RIGHT, (vec3){-70.0, -20.0, -5.0}, true, 1.0);
+    rig_gizmo_move(&jaw, RIG_HANDLE_RIGHT, (vec3){-70.0, -20.0, -5.0}, true, 1.0);
     assert_true(fabs(jaw.left.x - 72.0) < 1e-12 && fabs(jaw.left.y + 20.0) < 1e-12);
-    rig_gizmo_put(&jaw, RIG_HANDLE_LEFT, (vec3){60.0, 0.0, 0.0}, false, 1.0);
+    rig_gizmo_move(&jaw, RIG_HANDLE_LEFT, (vec3){60.0, 0.0, 0.0}, false, 1.0);
     assert_true(fabs(jaw.right.x + 70.0) < 1e-12);
     assert_false(jaw.has_incisor);
-    rig_gizmo_put(&jaw, RIG_HANDLE_INCISOR, (vec3){4.0, -46.0, 76.0}, true, 1.0);
+    rig_gizmo_move(&jaw, RIG_HANDLE_INCISOR, (vec3){4.0, -46.0, 76.0}, true, 1.0);
     assert_true(jaw.has_incisor && fabs(jaw.incisor.x - 1.0) < 1e-12);
 }
 

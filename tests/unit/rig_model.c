@@ -126,13 +126,13 @@ static void what_is_on_the_stage_already_is_not_given_to_it(void **state)
 {
     (void)state;
     rig_model *model = open_model("moai.rig.json");
-    rig_model_look(model);
+    rig_model_request_binding(model);
     wait_until_laid(model);
     const rig_work *work = rig_model_work(model);
     assert_int_equal(work->result, MRT_OK);
     assert_non_null(work->face);
     assert_true(work->region_size[0] > 100);
-    assert_null(rig_model_take_face(model));
+    assert_null(rig_model_pop_face(model));
     assert_true(rig_model_is_saved(model));
     rig_model_destroy(model);
     assert_int_equal(kept_files(), 0);
@@ -156,11 +156,11 @@ static void a_change_is_laid_and_given_to_the_stage_once(void **state)
     rig_model *model = open_model("moai.rig.json");
     assert_int_equal(move_chin(model, 794), 1);
     wait_until_laid(model);
-    face_file *file = rig_model_take_face(model);
+    face_file *file = rig_model_pop_face(model);
     assert_non_null(file);
     assert_int_equal(file->rig->contact[rig_find_contact(file->rig, "chin")].vertex, 794);
     assert_int_equal(file->mesh.vertex_count, rig_model_mesh(model)->vertex_count);
-    assert_null(rig_model_take_face(model));
+    assert_null(rig_model_pop_face(model));
     assert_bound_as_it_would_be(file);
     face_file_destroy(file);
     free(file);
@@ -184,7 +184,7 @@ static void a_rig_that_cannot_be_performed_stays_off_the_stage_and_says_why(void
     assert_true(work->result < 0);
     assert_null(work->face);
     assert_true(rig_findings_count(&work->findings, RIG_ERROR) > 0);
-    assert_null(rig_model_take_face(model));
+    assert_null(rig_model_pop_face(model));
     assert_true(rig_model_go(model, 0));
     wait_until_laid(model);
     assert_int_equal(rig_model_work(model)->result, MRT_OK);
@@ -198,18 +198,18 @@ static void what_is_not_saved_is_offered_again(void **state)
     error err = {""};
     uint64_t number;
     rig_model *model = open_model("moai.rig.json");
-    assert_false(rig_model_has_kept(model));
+    assert_false(rig_model_has_recovered(model));
     (void)move_chin(model, 795);
     assert_false(rig_model_is_saved(model));
     rig_model_destroy(model); /* before the worker was asked */
     assert_int_equal(kept_files(), 1);
 
     model = open_model("moai.rig.json");
-    assert_true(rig_model_has_kept(model));
+    assert_true(rig_model_has_recovered(model));
     assert_int_not_equal(chin_of(model), 795);
-    must(rig_model_take_kept(model, &number, &err), &err);
+    must(rig_model_restore_recovered(model, &number, &err), &err);
     assert_int_equal(chin_of(model), 795);
-    assert_false(rig_model_has_kept(model));
+    assert_false(rig_model_has_recovered(model));
     assert_true(rig_model_go(model, number - 1));
     assert_int_not_equal(chin_of(model), 795);
     assert_true(rig_model_go(model, number));
@@ -233,9 +233,9 @@ static void new_work_does_not_write_over_what_was_kept(void **state)
     model = open_model("moai.rig.json");
     (void)move_chin(model, 802); /* without looking at the offer */
     wait_until_laid(model);
-    assert_true(rig_model_has_kept(model));
+    assert_true(rig_model_has_recovered(model));
     assert_int_equal(kept_files(), 2);
-    must(rig_model_take_kept(model, &number, &err), &err);
+    must(rig_model_restore_recovered(model, &number, &err), &err);
     assert_int_equal(chin_of(model), 801);
     rig_model_leave(model);
     rig_model_destroy(model);
@@ -276,10 +276,10 @@ static void a_mesh_alone_is_drafted_and_saved_beside_it(void **state)
     assert_null(rig_model_begin(model, &err));
     must(rig_model_draft(model, &err), &err);
     assert_true(rig_model_is_drafting(model));
-    while (!rig_model_take_draft(model, &made))
+    while (!rig_model_pop_draft(model, &made))
         (void)usleep(1000);
     must(made.result, &made.err);
-    assert_false(rig_model_is_drafting(model) || rig_model_take_draft(model, &made));
+    assert_false(rig_model_is_drafting(model) || rig_model_pop_draft(model, &made));
     assert_non_null(strstr(made.confirm, "nose"));
     free(made.confirm);
     assert_non_null(rig_model_rig(model));
@@ -298,7 +298,7 @@ static void a_mesh_alone_is_drafted_and_saved_beside_it(void **state)
 static rig_model_drafted wait_for_draft(rig_model *model)
 {
     rig_model_drafted made;
-    while (!rig_model_take_draft(model, &made))
+    while (!rig_model_pop_draft(model, &made))
         (void)usleep(1000);
     if (made.result < 0)
         fail_msg("%s", made.err.text);
@@ -335,8 +335,8 @@ static void a_cut_mouth_is_a_change_and_kept_like_one(void **state)
     wait_until_laid(model);
     rig_model_destroy(model);
     model = open_model("closed.obj");
-    assert_true(rig_model_has_kept(model));
-    must(rig_model_take_kept(model, &number, &err), &err);
+    assert_true(rig_model_has_recovered(model));
+    must(rig_model_restore_recovered(model, &number, &err), &err);
     assert_int_equal(rig_model_mesh(model)->vertex_count, cut);
     wait_until_laid(model);
     assert_int_equal(rig_model_work(model)->result, MRT_OK);

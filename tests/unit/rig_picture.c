@@ -83,7 +83,7 @@ static void a_portrait_shows_all_as_large_as_it_can(void **state)
 {
     (void)state;
     const float air = 0.025f; /* of the panel, at each edge */
-    const rigpicture_view views[] = {rigportraits_usual_view(), {0.0f, 0.0f}, {-1.2f, 0.5f}};
+    const rigpicture_view views[] = {rigportraits_default_view(), {0.0f, 0.0f}, {-1.2f, 0.5f}};
     for (int i = 0; i < 3; ++i) {
         rigportraits_frame frame = rigportraits_frame_empty(views[i]);
         rigportraits_frame_add(&frame, block[0], 4); /* two halves are one whole */
@@ -101,7 +101,7 @@ static void a_portrait_shows_all_as_large_as_it_can(void **state)
 static void a_portrait_of_nothing_has_a_camera(void **state)
 {
     (void)state;
-    rigportraits_frame frame = rigportraits_frame_empty(rigportraits_usual_view());
+    rigportraits_frame frame = rigportraits_frame_empty(rigportraits_default_view());
     draw_camera camera = rigportraits_frame_camera(&frame);
     assert_true(camera.distance_mm > 0.0f && isfinite(camera.target[0] + camera.target[1]));
 }

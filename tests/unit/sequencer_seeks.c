@@ -339,13 +339,13 @@ static uint64_t asked_count; /* requests to processes */
 
 /* The linker's --wrap puts it in front of the program's own.
  * NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
-void __real_isolate_process_ask(isolate_process *self, uint32_t kind);
-void __wrap_isolate_process_ask(isolate_process *self, uint32_t kind);
+void __real_isolate_process_send(isolate_process *self, uint32_t kind);
+void __wrap_isolate_process_send(isolate_process *self, uint32_t kind);
 
-void __wrap_isolate_process_ask(isolate_process *self, uint32_t kind)
+void __wrap_isolate_process_send(isolate_process *self, uint32_t kind)
 {
     asked_count += 1;
-    __real_isolate_process_ask(self, kind);
+    __real_isolate_process_send(self, kind);
 }
 /* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
 

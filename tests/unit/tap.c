@@ -19,7 +19,7 @@ static mrt_sample numbered(uint32_t sequence)
 static void offer(tap *self, uint32_t input, uint32_t sequence)
 {
     const mrt_sample sample = numbered(sequence);
-    tap_offer(self, input, &sample);
+    tap_push(self, input, &sample);
 }
 
 static void only_the_input_that_is_wanted_is_heard_in_order(void **state)
@@ -28,19 +28,19 @@ static void only_the_input_that_is_wanted_is_heard_in_order(void **state)
     mrt_sample out;
     tap *self = tap_create();
     offer(self, 0, 1); /* nobody listens yet */
-    tap_listen(self, 1);
+    tap_select(self, 1);
     offer(self, 0, 2);
     offer(self, 1, 3);
     offer(self, 1, 4);
-    assert_true(tap_take(self, &out));
+    assert_true(tap_pop(self, &out));
     assert_int_equal(out.sequence, 3);
-    assert_true(tap_take(self, &out));
+    assert_true(tap_pop(self, &out));
     assert_int_equal(out.sequence, 4);
-    assert_false(tap_take(self, &out));
-    tap_listen(self, UINT32_MAX);
+    assert_false(tap_pop(self, &out));
+    tap_select(self, UINT32_MAX);
     offer(self, 1, 5);
     offer(self, UINT32_MAX, 6);
-    assert_false(tap_take(self, &out));
+    assert_false(tap_pop(self, &out));
     tap_destroy(self);
 }
 
@@ -49,13 +49,13 @@ static void what_was_kept_of_another_is_not_given(void **state)
     (void)state;
     mrt_sample out;
     tap *self = tap_create();
-    tap_listen(self, 0);
+    tap_select(self, 0);
     offer(self, 0, 1);
-    tap_listen(self, 1);
-    tap_listen(self, 0); /* begins anew */
-    assert_false(tap_take(self, &out));
+    tap_select(self, 1);
+    tap_select(self, 0); /* begins anew */
+    assert_false(tap_pop(self, &out));
     offer(self, 0, 2);
-    assert_true(tap_take(self, &out));
+    assert_true(tap_pop(self, &out));
     assert_int_equal(out.sequence, 2);
     tap_destroy(self);
 }
@@ -65,16 +65,16 @@ static void a_full_tap_leaves_the_newest_out_and_goes_on(void **state)
     (void)state;
     mrt_sample out;
     tap *self = tap_create();
-    tap_listen(self, 0);
+    tap_select(self, 0);
     for (uint32_t i = 0; i < TAP_SAMPLES + 100; ++i)
         offer(self, 0, i);
     for (uint32_t i = 0; i < TAP_SAMPLES; ++i) {
-        assert_true(tap_take(self, &out));
+        assert_true(tap_pop(self, &out));
         assert_int_equal(out.sequence, i);
     }
-    assert_false(tap_take(self, &out));
+    assert_false(tap_pop(self, &out));
     offer(self, 0, 9999);
-    assert_true(tap_take(self, &out));
+    assert_true(tap_pop(self, &out));
     assert_int_equal(out.sequence, 9999);
     tap_destroy(self);
 }
@@ -100,14 +100,14 @@ static void another_thread_offers_while_it_is_changed(void **state)
     pthread_t thread;
     mrt_sample out;
     uint32_t wanted = 0, last = 0;
-    tap_listen(giving.tap, 0);
+    tap_select(giving.tap, 0);
     assert_int_equal(pthread_create(&thread, NULL, give, &giving), 0);
     for (uint32_t i = 0; !atomic_load(&giving.is_done); ++i) {
         if (i % 50 == 0) {
             wanted = (wanted + 1) % 3;
-            tap_listen(giving.tap, wanted);
+            tap_select(giving.tap, wanted);
         }
-        while (tap_take(giving.tap, &out)) {
+        while (tap_pop(giving.tap, &out)) {
             assert_int_equal(out.sequence % 3, wanted);
             assert_true(out.sequence > last);
             last = out.sequence;

@@ -85,7 +85,7 @@ static int tear_down(void **state)
 static void sizes_are_two_numbers(void **state)
 {
     (void)state;
-    video_look look = video_look_usual();
+    video_look look = video_look_default();
     static const char *const wrong[] = {"",        "640",      "640x",     "x480",      "640x480x2",
                                         "640 480", "8x8",      "-640x480", "640x99999", "640.5x480",
                                         "0x10x20", "1e3x1000", "640X480"};
@@ -101,7 +101,7 @@ static void sizes_are_two_numbers(void **state)
 static void grounds_are_colours_or_nothing(void **state)
 {
     (void)state;
-    video_look look = video_look_usual();
+    video_look look = video_look_default();
     static const char *const wrong[] = {"",       "green",    "#fff",   "00b140",
                                         "#00b14", "#00b1400", "#00b14g"};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i)
@@ -121,12 +121,12 @@ static void an_mp4_is_even_and_opaque(void **state)
 {
     (void)state;
     error err = {""};
-    video_look look = video_look_usual();
+    video_look look = video_look_default();
     assert_int_equal(video_look_check_mp4(&look, "a.mp4", &err), MRT_OK);
     look.height = 721;
     assert_int_equal(video_look_check_mp4(&look, "a.mp4", &err), MRT_ERR_ARGUMENT);
     assert_non_null(strstr(err.text, "--size 1280x722"));
-    look = video_look_usual();
+    look = video_look_default();
     assert_true(video_look_ground(&look, "transparent"));
     assert_int_equal(video_look_check_mp4(&look, "a.mp4", &err), MRT_ERR_ARGUMENT);
     assert_non_null(strstr(err.text, "cannot be transparent"));
@@ -139,7 +139,7 @@ static void every_view_shows_the_whole_head(void **state)
     static const uint32_t sizes[][2] = {{1280, 720}, {720, 1280}, {500, 500}};
     const float low[3] = {-90, -150, -110}, high[3] = {90, 150, 100};
     for (int i = 0; i < 9; ++i) {
-        video_look look = video_look_usual();
+        video_look look = video_look_default();
         assert_true(video_look_view(&look, views[i % 3]));
         look.width = sizes[i / 3][0];
         look.height = sizes[i / 3][1];
@@ -154,7 +154,7 @@ static void every_view_shows_the_whole_head(void **state)
             assert_true(at[1] > 0 && at[1] < (float)look.height);
         }
     }
-    video_look look = video_look_usual();
+    video_look look = video_look_default();
     assert_false(video_look_view(&look, "back"));
 }
 
@@ -293,7 +293,7 @@ static void open_stage(stage *s, const video_file *file, uint32_t count, video_p
                      MRT_OK);
     assert_int_equal(points_create(&s->shape, &s->order, s->mesh.position, &err), MRT_OK);
     video_settings settings = {
-        .mesh = &s->mesh, .look = video_look_usual(), .pace = pace, .rate = film, .timecode = ""};
+        .mesh = &s->mesh, .look = video_look_default(), .pace = pace, .rate = film, .timecode = ""};
     settings.look.width = settings.look.height = side;
     if (video_create(&s->video, file, count, &settings, &err) != MRT_OK)
         fail_msg("%s", err.text);

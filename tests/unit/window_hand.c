@@ -50,7 +50,7 @@ static void move(hand_lights *lights, mrt_hand *hand, int angle, float by_rad)
     const mrt_card_line *line = lines_of(&count);
     for (int i = 0; i < 12; ++i) {
         hand->angle[angle] += by_rad / 12.0f;
-        hand_lights_look(lights, line, count, hand, frame_s);
+        hand_lights_update(lights, line, count, hand, frame_s);
     }
 }
 
@@ -102,7 +102,7 @@ static void a_diagonal_of_the_wrist_lights_it(void **state)
     for (int i = 0; i < 15; ++i) {
         hand.angle[20] += 0.02f;
         hand.angle[21] -= 0.02f;
-        hand_lights_look(&lights, line, count, &hand, frame_s);
+        hand_lights_update(&lights, line, count, &hand, frame_s);
     }
     assert_true(lights.level[line_named("Wrist")] > 0.5f);
 }
@@ -118,15 +118,15 @@ static void trembling_and_an_absent_hand_light_nothing(void **state)
     for (int i = 0; i < 120; ++i) {
         for (int k = 0; k < MRT_ANGLES; ++k)
             hand.angle[k] = 0.012f * sinf(0.7f * (float)(i + 5 * k)); /* 0.7 degrees */
-        hand_lights_look(&lights, line, count, &hand, frame_s);
+        hand_lights_update(&lights, line, count, &hand, frame_s);
         for (uint32_t k = 0; k < count; ++k)
             assert_true(lights.level[k] < 0.05f);
     }
     hand.present = false;
     hand.angle[1] = -1.0f;
-    hand_lights_look(&lights, line, count, &hand, frame_s);
+    hand_lights_update(&lights, line, count, &hand, frame_s);
     hand.present = true; /* where it comes back is no movement */
-    hand_lights_look(&lights, line, count, &hand, frame_s);
+    hand_lights_update(&lights, line, count, &hand, frame_s);
     assert_true(lights.level[line_named("Thumb down")] < 0.05f);
 }
 
@@ -183,7 +183,7 @@ static const goal_distance met = {.off_mm = 1.0, .limit_mm = 2.0, .closed = 1.0}
 static int frames_until_met(say_it *say)
 {
     for (int i = 1; i < 100; ++i)
-        if (say_it_look(say, &met, 0.01))
+        if (say_it_update(say, &met, 0.01))
             return i;
     fail_msg("never met");
     return 0;
@@ -207,11 +207,11 @@ static void a_face_is_held_for_a_quarter_of_a_second(void **state)
     begin_with_all(&say);
     assert_string_equal(say_it_step(&say)->name, "PP");
     for (int i = 0; i < 20; ++i)
-        assert_false(say_it_look(&say, &met, 0.01));
-    assert_false(say_it_look(&say, &missed, 0.01)); /* begins anew */
+        assert_false(say_it_update(&say, &met, 0.01));
+    assert_false(say_it_update(&say, &missed, 0.01)); /* begins anew */
     assert_in_range(frames_until_met(&say), 25, 26);
     assert_string_equal(say_it_step(&say)->name, "FF");
-    assert_int_equal(say_it_met(&say, &of, &took_s), 1);
+    assert_int_equal(say_it_progress(&say, &of, &took_s), 1);
     assert_int_equal(of, GOAL_COUNT);
     assert_true(took_s > 0.45 && took_s < 0.48);
     say_it_back(&say);
@@ -240,7 +240,7 @@ static void a_word_goes_on_at_each_viseme_and_words_end_the_exercise(void **stat
     assert_string_not_equal(goals[say.at].name, "mama");
     while (say_it_step(&say))
         say_it_skip(&say);
-    assert_false(say_it_look(&say, &met, 0.01));
+    assert_false(say_it_update(&say, &met, 0.01));
     assert_int_equal(say.at, GOAL_COUNT);
 }
 

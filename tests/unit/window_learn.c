@@ -35,7 +35,7 @@ static void swing(hands_at *h, uint32_t side, int finger, float rad, float share
             h->hand[side].angle[knuckle[i]] =
                 0.3f + part * rad * 0.5f * (float)(1.0 - cos(6.0 * t));
         }
-        learn_look(&h->learn, h->hand, dt_s);
+        learn_update(&h->learn, h->hand, dt_s);
     }
 }
 
@@ -93,7 +93,7 @@ static void what_is_no_number_is_no_movement(void **state)
     set_up(&h);
     h.hand[MRT_RIGHT].angle[7] = NAN;
     for (int i = 0; i < 100; ++i)
-        learn_look(&h.learn, h.hand, i == 50 ? (double)NAN : 1.0 / 60.0);
+        learn_update(&h.learn, h.hand, i == 50 ? (double)NAN : 1.0 / 60.0);
     assert_int_equal(h.learn.finger, LEARN_NONE);
 }
 
@@ -104,11 +104,11 @@ static void a_hand_that_comes_is_no_movement(void **state)
     set_up(&h);
     h.hand[MRT_RIGHT].present = false;
     for (int i = 0; i < 60; ++i)
-        learn_look(&h.learn, h.hand, 1.0 / 60.0);
+        learn_update(&h.learn, h.hand, 1.0 / 60.0);
     h.hand[MRT_RIGHT].present = true;
     h.hand[MRT_RIGHT].angle[4] = 1.2f; /* while it was away it was at 0 */
     for (int i = 0; i < 60; ++i)
-        learn_look(&h.learn, h.hand, 1.0 / 60.0);
+        learn_update(&h.learn, h.hand, 1.0 / 60.0);
     assert_int_equal(h.learn.finger, LEARN_NONE);
 }
 

@@ -157,14 +157,14 @@ CATCH(int, posix_spawn,
 
 /* The linker's --wrap puts it in front of the program's own.
  * NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
-void __real_isolate_process_ask(isolate_process *self, uint32_t kind);
-void __wrap_isolate_process_ask(isolate_process *self, uint32_t kind);
+void __real_isolate_process_send(isolate_process *self, uint32_t kind);
+void __wrap_isolate_process_send(isolate_process *self, uint32_t kind);
 
-void __wrap_isolate_process_ask(isolate_process *self, uint32_t kind)
+void __wrap_isolate_process_send(isolate_process *self, uint32_t kind)
 {
     if (atomic_load(&watched.asks_nobody))
-        note("isolate_process_ask");
-    __real_isolate_process_ask(self, kind);
+        note("isolate_process_send");
+    __real_isolate_process_send(self, kind);
 }
 /* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
 
@@ -316,7 +316,7 @@ static void throw_away_what_was_performed(live_fixture *d)
     error err = {""};
     edit *edits;
     uint32_t count;
-    if (!live_take_over(d->live, &edits, &count, &err))
+    if (!live_overdub_edits(d->live, &edits, &count, &err))
         fail_msg("nothing was performed: %s", err.text);
     for (uint32_t i = 0; i < count; ++i)
         edit_finish(&edits[i]);
@@ -337,7 +337,7 @@ static void a_take_is_performed_over(void **state)
     assert_true(fixture_until(&d, is_on_the_stage, NULL));
     is_kept("a take on the stage");
     const overdub_plan over = {.passes = 1};
-    fixture_must(live_record_over(d.live, &over, &err), &err);
+    fixture_must(live_overdub_start(d.live, &over, &err), &err);
     pull(&d);
     is_kept("performing over a take");
     fixture_must(live_record_end(d.live, &err), &err);
@@ -454,7 +454,7 @@ static void perform_over(live_fixture *d, const take *t, seen *s)
         .in_ns = in_ns, .out_ns = t->duration_ns, .preroll_ns = in_ns, .passes = 3};
     atomic_store(&watched.asks_nobody, true);
     watch(d);
-    fixture_must(live_record_over(d->live, &over, &err), &err);
+    fixture_must(live_overdub_start(d->live, &over, &err), &err);
     while (d->live->is_over)
         look(d, in_ns, s);
     is_kept("performing over what another process performed");

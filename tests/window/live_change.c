@@ -19,7 +19,7 @@ static void bend(live_fixture *d, still_hand *h)
     for (int n = 0; n <= 20; ++n) {
         for (uint32_t i = 0; i < 18; ++i)
             h->angle[i] = 0.03f * (float)n * (i % 4 == 0 ? 1.0f : -0.5f);
-        feed_give(h->feed, h->angle, FEED_MOVES);
+        feed_push(h->feed, h->angle, FEED_MOVES);
         fixture_perform(d, n == 0 ? 0.4 : 0.01);
     }
     fixture_perform(d, 0.7);
@@ -96,7 +96,7 @@ static void add_demo(live_fixture *d)
 static void relax(live_fixture *d, still_hand *h)
 {
     memset(h->angle, 0, sizeof h->angle);
-    feed_give(h->feed, h->angle, FEED_MOVES);
+    feed_push(h->feed, h->angle, FEED_MOVES);
     fixture_perform(d, 0.5);
 }
 
@@ -279,7 +279,7 @@ static void face_and_engine_change_while_it_performs(void **state)
     fixture_must(live_set_solver(d.live, &solver, &err), &err);
     fixture_must(live_set_face(d.live, &moai, path, 0.0, &err), &err);
     assert_true(isfinite(before->position[3 * of_puppet - 1])); /* still there until it is looked */
-    assert_true(live_look(d.live, &d.view));
+    assert_true(live_read_view(d.live, &d.view));
     assert_int_not_equal(d.view->vertex_count, of_puppet);
     fixture_perform(&d, 0.3);
     assert_true(d.view->number > 2);

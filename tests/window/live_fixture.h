@@ -73,7 +73,7 @@ static inline void fixture_start_heard(live_fixture *d, const char *name, const 
                                     .mapping = mapping,
                                     .sound = backend};
     fixture_must(live_start(&d->live, &settings, &err), &err);
-    assert_true(live_look(d->live, &d->view));
+    assert_true(live_read_view(d->live, &d->view));
     size_t size = (size_t)d->view->vertex_count * 3 * sizeof *d->first;
     d->first = malloc(size);
     assert_non_null(d->first);
@@ -136,7 +136,7 @@ static inline mrt_result fixture_add_input(live_fixture *d, const char *text, er
 static inline void fixture_frame(live_fixture *d)
 {
     live_update(d->live);
-    (void)live_look(d->live, &d->view);
+    (void)live_read_view(d->live, &d->view);
     clock_sleep_until_ns(clock_now_ns() + 4 * NS_PER_MS);
 }
 

@@ -303,7 +303,7 @@ static void what_is_performed_over_plays_as_it_was_seen(void **state)
     show_take_on(&d, id, &t);
     ease(&d);
     const overdub_plan over = {.passes = 1};
-    fixture_must(live_record_over(d.live, &over, &err), &err);
+    fixture_must(live_overdub_start(d.live, &over, &err), &err);
     uint32_t right = fixture_contact(&d, "mouth.corner.r");
     vec3 rest = fixture_rest(&d, right);
     int64_t until_ns = clock_now_ns() + 1300 * NS_PER_MS;
@@ -324,7 +324,7 @@ static void what_is_performed_over_plays_as_it_was_seen(void **state)
     assert_true(status.is_recording);
     fixture_must(live_record_end(d.live, &err), &err);
     fixture_point(&d, POINTER_AWAY, rest, rest, false);
-    if (!live_take_over(d.live, &edits, &count, &err))
+    if (!live_overdub_edits(d.live, &edits, &count, &err))
         fail_msg("nothing was performed: %s", err.text);
     assert_true(count >= 2);
     apply_edits(&d, &t, edits, count);
@@ -342,7 +342,7 @@ static void what_is_performed_over_plays_as_it_was_seen(void **state)
     }
     pack_up(&alone);
     assert_true(compared > frames / 2);
-    assert_false(live_take_over(d.live, &edits, &count, &err));
+    assert_false(live_overdub_edits(d.live, &edits, &count, &err));
     fixture_must(live_show_take(d.live, &t, &err), &err);
     ease(&d);
     assert_int_equal(d.view->mode, LIVE_SHOWS);
@@ -530,7 +530,7 @@ static void make_a_mosaic(live_fixture *d, uint32_t count, take *out)
         fixture_must(live_record(d->live, &slate, &err), &err);
         fixture_perform(d, 0.08);
         fixture_must(live_record_end(d->live, &err), &err);
-        fixture_must(live_cast_anew(d->live, &err), &err);
+        fixture_must(live_cast_restart(d->live, &err), &err);
         live_status_of(d->live, &status);
         fixture_take(d, status.take, i == 0 ? out : &t);
         if (i == 0)
@@ -581,7 +581,7 @@ static void plugins_are_called_on_threads_that_may_and_one_at_a_time(void **stat
                                    .out_ns = over_which[i]->duration_ns * 4 / 5,
                                    .passes = 2,
                                    .name = "again"};
-        fixture_must(live_record_over(d.live, &over, &err), &err);
+        fixture_must(live_overdub_start(d.live, &over, &err), &err);
         int64_t until_ns = clock_now_ns() + 20 * NS_PER_S;
         do {
             fixture_frame(&d);
@@ -617,7 +617,7 @@ static void recording_over_ends_by_itself_at_its_out(void **state)
     show_take_on(&d, id, &t);
     const overdub_plan over = {
         .in_ns = 200 * NS_PER_MS, .out_ns = 600 * NS_PER_MS, .passes = 2, .name = "again"};
-    fixture_must(live_record_over(d.live, &over, &err), &err);
+    fixture_must(live_overdub_start(d.live, &over, &err), &err);
     uint32_t right = fixture_contact(&d, "mouth.corner.r");
     vec3 rest = fixture_rest(&d, right);
     int64_t until_ns = clock_now_ns() + 20 * NS_PER_S;
@@ -627,7 +627,7 @@ static void recording_over_ends_by_itself_at_its_out(void **state)
         live_status_of(d.live, &status);
     } while (status.is_recording && clock_now_ns() < until_ns);
     assert_false(status.is_recording);
-    if (!live_take_over(d.live, &edits, &count, &err))
+    if (!live_overdub_edits(d.live, &edits, &count, &err))
         fail_msg("nothing was performed: %s", err.text);
     apply_edits(&d, &t, edits, count);
     assert_int_equal(t.layer_count, 3);
@@ -698,7 +698,7 @@ static void what_was_taught_stays_with_the_take_and_the_show(void **state)
     show_take_on(&d, id, &t);
     ease(&d);
     const overdub_plan over = {.passes = 1};
-    fixture_must(live_record_over(d.live, &over, &err), &err);
+    fixture_must(live_overdub_start(d.live, &over, &err), &err);
     int64_t until_ns = clock_now_ns() + 1000 * NS_PER_MS;
     while (clock_now_ns() < until_ns || frames < 10) {
         fixture_frame(&d);
@@ -709,7 +709,7 @@ static void what_was_taught_stays_with_the_take_and_the_show(void **state)
         frame[frames++].hash = fixture_hash(d.view->position, (size_t)d.view->vertex_count * 3);
     }
     fixture_must(live_record_end(d.live, &err), &err);
-    if (!live_take_over(d.live, &edits, &count, &err))
+    if (!live_overdub_edits(d.live, &edits, &count, &err))
         fail_msg("nothing was performed: %s", err.text);
     apply_edits(&d, &t, edits, count);
     projector alone;

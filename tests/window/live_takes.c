@@ -129,14 +129,14 @@ static void slow_window_loses_no_sample(void **state)
     fixture_must(input_create(&in, feed_type(hand), "", "", CLOCK_REAL, d.log, &err), &err);
     fixture_must(live_add_input(d.live, in, "hand", &err), &err);
     live_status_of(d.live, &before);
-    feed_give(hand, bent, FEED_MOVES);
+    feed_push(hand, bent, FEED_MOVES);
     int64_t until_ns = clock_now_ns() + 2 * NS_PER_S;
     while (clock_now_ns() < until_ns) { /* 5 frames a second */
         live_update(d.live);
-        (void)live_look(d.live, &d.view);
+        (void)live_read_view(d.live, &d.view);
         clock_sleep_until_ns(clock_now_ns() + NS_PER_S / 5);
     }
-    feed_give(hand, bent, FEED_RESTS);
+    feed_push(hand, bent, FEED_RESTS);
     fixture_pass(&d, 0.2);
     live_status_of(d.live, &after);
     health_report health;

@@ -17,7 +17,7 @@ typedef struct heard {
 static void take_all(live_fixture *d, heard *h)
 {
     mrt_sample sample;
-    while (live_take_tapped(d->live, &sample)) {
+    while (live_pop_tapped(d->live, &sample)) {
         if (h->count == 0)
             h->first = sample.sequence;
         else
@@ -57,7 +57,7 @@ static void only_what_is_tapped_is_heard(void **state)
     heard h = {.count = 0}, other = {.count = 0};
     mrt_sample sample;
     fixture_start(&d, "puppet", "one_hand", FIXTURE_NO_SHOW);
-    assert_false(live_take_tapped(d.live, &sample));
+    assert_false(live_pop_tapped(d.live, &sample));
     add(&d);
     add(&d);
     live_tap(d.live, 1);

@@ -311,7 +311,7 @@ void live_tap(live *self, uint32_t index)
     here->tap_count = here->tap_taken = 0;
 }
 
-bool live_take_tapped(live *self, mrt_sample *out)
+bool live_pop_tapped(live *self, mrt_sample *out)
 {
     (void)self;
     if (here->tap_taken == here->tap_count)
@@ -456,10 +456,10 @@ static void take_samples(stand *s)
     for (uint32_t i = 0; i < s->input_count; ++i) {
         input_incident incident;
         while (input_peek(s->input[i], &s->sample[i])) {
-            input_take(s->input[i]);
+            input_pop(s->input[i]);
             s->has_sample[i] = true;
         }
-        while (input_take_incident(s->input[i], &incident))
+        while (input_pop_incident(s->input[i], &incident))
             continue;
     }
 }

@@ -455,7 +455,7 @@ void timeline_worker_request(timeline_worker *self, const timeline_request *requ
     }
 }
 
-const timeline_result *timeline_worker_look(timeline_worker *self)
+const timeline_result *timeline_worker_result(timeline_worker *self)
 {
     return &self->result;
 }

@@ -60,7 +60,7 @@ static const timeline_result *wait_for(timeline_worker *worker, const timeline_r
     int64_t until_ns = clock_now_ns() + patience_ns;
     timeline_worker_request(worker, request);
     while (clock_now_ns() < until_ns) {
-        const timeline_result *result = timeline_worker_look(worker);
+        const timeline_result *result = timeline_worker_result(worker);
         if (result->is_complete && result->strip_count == request->strip_count &&
             memcmp(result->strip, request->strip, request->strip_count * sizeof *request->strip) ==
                 0 &&

@@ -43,7 +43,7 @@ const scenery *kept_scenery_now(const kept_scenery *self)
 {
     static scenery studio;
     (void)self;
-    studio = scenery_usual();
+    studio = scenery_default();
     return &studio;
 }
 

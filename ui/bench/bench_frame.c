@@ -45,7 +45,7 @@ static mrt_result take_samples(frame_hand *out, input *from, const char *recordi
     for (out->count = 0; out->count < FRAMES_MAX; ++out->count) {
         if (!input_peek(from, &out->sample[out->count]))
             break;
-        input_take(from);
+        input_pop(from);
     }
     if (out->count < 2)
         return error_set(err, MRT_ERR_FORMAT, "log:%s has no two samples", recording);

@@ -98,10 +98,10 @@ static void perform_samples(stage_scene *self, uint32_t samples)
         int64_t due_ns = start_ns + (int64_t)((double)(i + 1) * 1e9 / rate_hz);
         for (int k = 0; k < MRT_ANGLES; ++k)
             value[k] = (float)(0.3 + 0.25 * sin((double)i / rate_hz * (2.0 + 0.3 * k)));
-        feed_give(self->hand, value, FEED_RESTS);
+        feed_push(self->hand, value, FEED_RESTS);
         for (int64_t at_ns = clock_now_ns(); at_ns < due_ns; at_ns = clock_now_ns()) {
             const live_view *view = NULL;
-            bool is_new = live_look(self->live, &view) && view->sample_ns > newest_ns;
+            bool is_new = live_read_view(self->live, &view) && view->sample_ns > newest_ns;
             if (is_new && self->count < SAMPLES_MAX) {
                 newest_ns = view->sample_ns;
                 receive_face(self, view);

@@ -65,7 +65,7 @@ static void screen_step(screen *self, const guide *of)
         return;
     int count, number = guide_number(of, &count);
     fprintf(self->stream, "step %d of %d, %s: %s\n", number, count, guide_step_name[step],
-            guide_words(of));
+            guide_instruction(of));
     fflush(self->stream);
 }
 
@@ -153,9 +153,9 @@ static void screen_draw(screen *self, const guide *of, const float *raw)
         fprintf(self->stream, "\033[%dA\r", self->line_count);
     self->line_count = 0;
     guide_step step = guide_current(of);
-    const char *words = guide_words(of);
+    const char *words = guide_instruction(of);
     const char *waits =
-        self->is_away ? "the hand is away: waiting for it" : guide_wait_words[guide_waiting(of)];
+        self->is_away ? "the hand is away: waiting for it" : guide_wait_text[guide_waiting(of)];
     int count, number = guide_number(of, &count);
     fprintf(self->stream, "step %d of %d: %s (%s)", number, count,
             step < GUIDE_STEPS ? guide_step_name[step] : "done", waits);
@@ -332,9 +332,9 @@ static mrt_result follow_sample(guiding *self, const mrt_sample *sample, error *
 static void follow_incidents(guiding *self)
 {
     input_incident incident;
-    while (input_take_incident(self->input, &incident)) {
-        self->screen.is_away = incident.kind == INPUT_WENT;
-        if (incident.kind == INPUT_WENT)
+    while (input_pop_incident(self->input, &incident)) {
+        self->screen.is_away = incident.kind == INPUT_WAS_LOST;
+        if (incident.kind == INPUT_WAS_LOST)
             screen_print(&self->screen, "the hand is away: waiting for it%s%s",
                          incident.text[0] ? ": " : "", incident.text);
         else
@@ -391,7 +391,7 @@ static mrt_result follow_glove(guiding *self, error *err)
     bool has_sample = input_peek(self->input, &sample);
     follow_incidents(self);
     if (has_sample) {
-        input_take(self->input);
+        input_pop(self->input);
         self->heard_ns = now_ns;
         result = follow_sample(self, &sample, err);
     } else if (over || self->clock == CLOCK_VIRTUAL) {
@@ -414,7 +414,7 @@ static mrt_result guide_person(guiding *self, error *err)
     mrt_result result = input_start(self->input, err);
     while (result >= 0 && !is_done(self)) {
         result = follow_keys(self, err);
-        if (result >= 0 && (self->is_quit || cancel_is_asked()))
+        if (result >= 0 && (self->is_quit || cancel_is_requested()))
             result = error_set(err, MRT_ERR_ARGUMENT, "stopped; nothing was written");
         if (result >= 0 && !is_done(self))
             result = follow_glove(self, err);
@@ -436,7 +436,7 @@ static mrt_result prepare(guiding *self, error *err)
     const glove_channels *glove = &self->glove;
     guide_settings settings = glove->input[0]
                                   ? guide_settings_bare(glove->side, glove->sensors, glove->input)
-                                  : guide_settings_usual(glove->side, glove->sensors);
+                                  : guide_settings_default(glove->side, glove->sensors);
     self->still_s = settings.still_s;
     settings.timeout_s = self->timeout_s;
     self->guide = guide_create(&settings);

@@ -27,11 +27,11 @@ extern const command command_bench, command_camera, command_calibrate, command_d
 
 /* Returns whether the first argument is for the stage: an option of the stage, a show (existing or
  * to be created), or another file that the stage opens. */
-bool stage_is_meant(const char *first);
+bool stage_accepts_argument(const char *first);
 
 /* Writes the command line as the user typed it, "marotte perform --face moai ...". Quotes words
  * that a shell would change, and shortens long paths to their last folders. */
-void command_typed(char *out, size_t capacity);
+void command_line_text(char *out, size_t capacity);
 
 /* Kinds of arguments on a command line, and the type of the member that receives the value. */
 typedef enum command_option_kind {

@@ -49,7 +49,7 @@ static void print_looked_for(const plugin_list *plugins)
     bool any = false;
     for (uint32_t i = 0; i < plugins->entry_count; ++i) {
         const mrt_plugin_type *type = plugins->entry[i].type;
-        if (!device_list_knows(type))
+        if (!device_list_can_list(type))
             continue;
         if (!any)
             puts("no device was found; looked for:");
@@ -103,7 +103,7 @@ static void devices_print_json(const device_list *found, const plugin_list *plug
         json_array_append_new(devices, device_to_json(&found->one[i]));
     for (uint32_t i = 0; i < plugins->entry_count; ++i) {
         const mrt_plugin_type *type = plugins->entry[i].type;
-        if (device_list_knows(type))
+        if (device_list_can_list(type))
             json_array_append_new(looked_for, json_pack("{s:o, s:o}", "plugin", json_text(type->id),
                                                         "about", json_text(type->about)));
     }
@@ -202,7 +202,7 @@ static bool looks_for_devices(const watch *self)
 static mrt_result open_ready(watch *self, error *err)
 {
     device_list found;
-    mrt_result result = device_list_look(&found, self->plugins, self->log, &self->logged, err);
+    mrt_result result = device_list_scan(&found, self->plugins, self->log, &self->logged, err);
     for (uint32_t i = 0; result >= 0 && i < found.count; ++i) {
         const device_found *one = &found.one[i];
         if (one->device.state != MRT_DEVICE_READY || is_open(self, &one->device) ||
@@ -433,7 +433,7 @@ static void report_incident(watch *self, const input *in, const input_incident *
 {
     double time_s = (double)(what->time_ns - self->start_ns) / 1e9;
     clear_lines(self);
-    if (what->kind == INPUT_WENT)
+    if (what->kind == INPUT_WAS_LOST)
         fprintf(stderr, "note: %s went away at %.1f s%s%s%s\n", input_name(in), time_s,
                 what->text[0] ? " (" : "", what->text, what->text[0] ? ")" : "");
     else
@@ -461,9 +461,9 @@ static bool read_all(watch *self)
         mrt_sample sample;
         input_incident incident;
         is_any_alive |= state == INPUT_RUNNING || state == INPUT_LOST;
-        for (; input_peek(in, &sample); input_take(in))
+        for (; input_peek(in, &sample); input_pop(in))
             pass_on(self, in, &sample);
-        while (input_take_incident(in, &incident))
+        while (input_pop_incident(in, &incident))
             report_incident(self, in, &incident);
     }
     return is_any_alive;
@@ -492,7 +492,7 @@ static mrt_result follow(watch *self, error *err)
         mrt_result result = look_again(self, err);
         if (result < 0)
             return result;
-        bool goes_on = (read_all(self) || looks_for_devices(self)) && !cancel_is_asked();
+        bool goes_on = (read_all(self) || looks_for_devices(self)) && !cancel_is_requested();
         int64_t now_ns = clock_now_ns();
         report_news(self);
         goes_on &= now_ns < end_ns;
@@ -559,9 +559,9 @@ static void drain(input *in)
     mrt_sample sample;
     input_incident incident;
     while (input_peek(in, &sample))
-        input_take(in);
-    while (input_take_incident(in, &incident))
-        if (incident.kind == INPUT_WENT)
+        input_pop(in);
+    while (input_pop_incident(in, &incident))
+        if (incident.kind == INPUT_WAS_LOST)
             fprintf(stderr, "note: %s went away\n", input_name(in));
 }
 
@@ -569,7 +569,7 @@ static mrt_result attend(input *in, const devices_options *options, log_queue *l
 {
     int64_t end_ns =
         options->seconds > 0 ? clock_now_ns() + (int64_t)(options->seconds * 1e9) : INT64_MAX;
-    while (!cancel_is_asked() && clock_now_ns() < end_ns) {
+    while (!cancel_is_requested() && clock_now_ns() < end_ns) {
         uint32_t seen = wake_seen(&news);
         input_state state = input_state_of(in);
         drain(in);
@@ -659,7 +659,7 @@ static mrt_result list_devices(const devices_options *options, const plugin_list
                                log_queue *log, error *err)
 {
     device_list found;
-    mrt_result result = device_list_look(&found, plugins, log, NULL, err);
+    mrt_result result = device_list_scan(&found, plugins, log, NULL, err);
     if (result < 0)
         return result;
     if (options->is_json)

@@ -171,8 +171,8 @@ static const char *explanation_of(const char *help, const char *label)
     return is_explained ? help + length + 2 : NULL;
 }
 
-void exports_tell_params(char *out, size_t capacity, const mrt_plugin_type *type,
-                         const double *value)
+void exports_describe_params(char *out, size_t capacity, const mrt_plugin_type *type,
+                             const double *value)
 {
     int used = snprintf(out, capacity, "%s %s", plugin_short_name(type), type->version);
     const char *between = ": ";

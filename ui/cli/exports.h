@@ -64,8 +64,8 @@ typedef struct exports_settings {
 
 /* Writes a line with the parameters of a mapping, "anchored 1.0: Hands Both, Size 90 %, ...".
  * Leaves out triggers, and parameters that are off by default and still off. */
-void exports_tell_params(char *out, size_t capacity, const mrt_plugin_type *type,
-                         const double *value);
+void exports_describe_params(char *out, size_t capacity, const mrt_plugin_type *type,
+                             const double *value);
 
 /* Writes all files but the videos. Reports each written file and the peak memory. frames: may be
  * NULL if no file needs a clip. */

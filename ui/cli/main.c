@@ -53,7 +53,7 @@ static bool is_plain(const char *word)
     return word[0] != '\0' && word[strspn(word, plain)] == '\0';
 }
 
-void command_typed(char *out, size_t capacity)
+void command_line_text(char *out, size_t capacity)
 {
     char line[TYPED_MAX];
     FILE *stream = fopen("/proc/self/cmdline", "re");
@@ -407,7 +407,7 @@ int main(int argc, char **argv)
     const command *named = find_command(name);
     if (named)
         return start(named, argc - 1, argv + 1);
-    if (stage_is_meant(name))
+    if (stage_accepts_argument(name))
         return start(&command_stage, argc, argv);
     return refuse(name, "command or file");
 }

@@ -186,7 +186,7 @@ static int check_look(const perform_options *out, const command *self)
 /* Returns COMMAND_DONE, or reports the mistake and returns COMMAND_USAGE. */
 static int read_options(perform_options *out, int argc, char **argv)
 {
-    *out = (perform_options){.scene = "", .shot = "", .look = video_look_usual()};
+    *out = (perform_options){.scene = "", .shot = "", .look = video_look_default()};
     const command *self = &command_perform;
     int code = command_options(out, self, option_table, argc, argv);
     if (code == COMMAND_DONE && !out->face)
@@ -277,7 +277,7 @@ static void update_sound(take_recording *self)
     if (!self->sound)
         return;
     sound_update(self->sound);
-    sound_in_look(self->sound, &status);
+    sound_in_read_status(self->sound, &status);
     warn(self, status.device.text);
     warn(self, status.record.text);
 }
@@ -302,7 +302,7 @@ static mrt_result attach_sound(take_recording *self, facts *told, error *err)
     show_audio audio;
     if (!self->sound)
         return MRT_OK;
-    sound_in_look(self->sound, &status);
+    sound_in_read_status(self->sound, &status);
     if (status.record.audio == 0) {
         facts_text(told, "sound", "sound", "none");
         return MRT_OK;
@@ -374,7 +374,7 @@ static mrt_result start_recording(performance *self, error *err)
         result = open_show(out, options->record, err);
     if (result < 0)
         return result;
-    taught_recall(out->show, self->performer->voice[0].layer->mapping, self->log);
+    taught_restore(out->show, self->performer->voice[0].layer->mapping, self->log);
     const recorder_settings settings = {
         .show = out->show,
         .plugins = &self->plugins,
@@ -528,7 +528,7 @@ static mrt_result prepare(performance *self, error *err)
         result = performer_create(&self->performer, &self->face, &self->mapping.instance, &settings,
                                   err);
     if (result >= 0)
-        perform_patch_tell(self->performer->voice[0].layer);
+        perform_patch_report(self->performer->voice[0].layer);
     if (result >= 0 && options->watches_plugins)
         result = perform_mapping_watch(&self->mapping, self->performer, self->log, err);
     if (result >= 0)
@@ -787,7 +787,7 @@ static void report_performance(performance *self, facts *told)
     facts_number(told, "engagements", "engagements", (double)counts->engagements, 0, "");
     facts_number(told, "commits", "commits", (double)counts->commits, 0, "");
     facts_number(told, "substeps", "substeps", (double)counts->substeps, 0, "");
-    recording_tell_surface(&self->recording, told);
+    recording_report_surface(&self->recording, told);
     report_pulls(self, told);
     perform_outputs_report(self->outputs.outputs, told);
 }
@@ -810,10 +810,10 @@ static void describe_making(const performance *self, char *out, size_t capacity)
         self->mapping.current ? self->mapping.current : &self->mapping.instance;
     const performer *p = self->performer;
     const csrbf_settings solver = composer_solver_of(p->composer, layer_pull(p->voice[0].layer));
-    command_typed(out, capacity - 1);
+    command_line_text(out, capacity - 1);
     size_t used = strlen(out);
     out[used++] = '\n';
-    exports_tell_params(out + used, capacity - used, mapping->type, mapping->params);
+    exports_describe_params(out + used, capacity - used, mapping->type, mapping->params);
     used += strlen(out + used);
     (void)snprintf(out + used, capacity - used,
                    "; kernel %s, radius %g mm, polynomial %s; marotte " MAROTTE_VERSION "\n",
@@ -1184,7 +1184,7 @@ static mrt_result perform_rows(curve_performance *self, error *err)
         result = exports_video_add(&self->videos, self->composer, err);
         if (result >= 0)
             result = recording_add_face(&self->recording, self->composer, 0, err);
-        if (cancel_is_asked())
+        if (cancel_is_requested())
             break;
         progress_show_time(&self->progress, row / self->fps, self->table.row_count / self->fps);
     }
@@ -1233,7 +1233,7 @@ static mrt_result perform_curves(const perform_options *options, facts *told, er
         facts_number(told, "columns", "columns used", self.at.used_count, 0, "");
         facts_number(told, "frames", "frames", self.recording.frame_count, 0, "");
         facts_number(told, "fps", "frame rate", self.fps, 2, "per second");
-        recording_tell_surface(&self.recording, told);
+        recording_report_surface(&self.recording, told);
         label_clip(&self);
         result = exports_video_finish(&self.videos, told, err);
     }

@@ -61,7 +61,7 @@ void perform_inputs_incident(const perform_inputs *self, recorder *into, const i
     for (uint32_t i = 0; into && i < self->count; ++i)
         if (self->input[i] == from)
             recorder_incident(into, i, what);
-    if (what->kind == INPUT_WENT)
+    if (what->kind == INPUT_WAS_LOST)
         fprintf(stderr, "note: %s went away at %.1f s%s%s%s; the pose is held\n", input_name(from),
                 time_s, what->text[0] ? " (" : "", what->text, what->text[0] ? ")" : "");
     else
@@ -429,7 +429,7 @@ void perform_outputs_step(perform_outputs *self, performer *p, int64_t sample_ns
 
 void perform_outputs_frame(perform_outputs *self, performer *p)
 {
-    self->is_behind |= outputs_ask_again(self->outputs);
+    self->is_behind |= outputs_pop_request(self->outputs);
     if (self->is_behind && outputs_are_wanted(self->outputs))
         perform_outputs_show(self, p, self->step_ns, -1);
 }
@@ -469,13 +469,13 @@ void perform_outputs_report(outputs *of, facts *told)
 void perform_outputs_close(perform_outputs *self)
 {
     outputs_destroy(self->outputs);
-    face_board_drop(self->board);
+    face_board_release(self->board);
     *self = (perform_outputs){.board = NULL};
 }
 
 /* ---- the patch ---- */
 
-void perform_patch_tell(const layer *of)
+void perform_patch_report(const layer *of)
 {
     const patch_plan *plan = of->bay.plan;
     news_print_notes(plan ? patch_plan_note(plan) : NULL);

@@ -67,7 +67,7 @@ uint32_t perform_hands_keys(performer *p, _Atomic bool *stop, progress *shown);
 /* ---- the patch ---- */
 
 /* Reports on stderr the targets of the layer's patch that its face and mapping do not have. */
-void perform_patch_tell(const layer *of);
+void perform_patch_report(const layer *of);
 
 /* ---- the mapping: in this process or in a separate one, reloaded when its library is rebuilt
  * ---- */

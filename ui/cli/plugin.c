@@ -175,7 +175,7 @@ static const command_option check_option_table[] = {
 static void list_rules(void)
 {
     for (int i = 0; i < RULE_COUNT; ++i)
-        terminal_print("%-20s %s\n", check_rule_id((check_rule)i), check_rule_says((check_rule)i));
+        terminal_print("%-20s %s\n", check_rule_id((check_rule)i), check_rule_text((check_rule)i));
 }
 
 static void list_rules_as_json(void)
@@ -183,7 +183,7 @@ static void list_rules_as_json(void)
     json_t *all = json_array();
     for (int i = 0; i < RULE_COUNT; ++i)
         json_array_append_new(all, json_pack("{s:s, s:s}", "rule", check_rule_id((check_rule)i),
-                                             "says", check_rule_says((check_rule)i)));
+                                             "says", check_rule_text((check_rule)i)));
     facts_print_json(all, JSON_INDENT(2));
 }
 
@@ -202,7 +202,7 @@ static void print_finding(check_rule rule, const check_finding *finding, const c
 {
     terminal_print("  %-20s %-7s  %s\n", check_rule_id(rule), verdict_word(finding->verdict), text);
     if (finding->verdict == CHECK_FAILED)
-        terminal_print("  %-20s %-7s  plugin.h: %s\n", "", "", check_rule_says(rule));
+        terminal_print("  %-20s %-7s  plugin.h: %s\n", "", "", check_rule_text(rule));
 }
 
 static void print_subject(const check_subject *subject)
@@ -240,7 +240,7 @@ static json_t *subject_to_json(const check_subject *subject)
             rules,
             json_pack("{s:s, s:s, s:o, s:s}", "rule", check_rule_id((check_rule)i), "verdict",
                       finding->verdict == CHECK_FAILED ? "failed" : verdict_word(finding->verdict),
-                      "text", json_text(finding->text), "says", check_rule_says((check_rule)i)));
+                      "text", json_text(finding->text), "says", check_rule_text((check_rule)i)));
     }
     return json_pack("{s:o, s:o}", "id", json_text(subject->id), "rules", rules);
 }

@@ -11,7 +11,7 @@
 recording_use recording_use_of(const exports_file *file, uint32_t count)
 {
     if (exports_need_names(file, count))
-        return RECORDING_SAYS;
+        return RECORDING_WEIGHTS;
     if (exports_need_shapes(file, count))
         return RECORDING_KEEPS;
     return exports_need_clip(file, count) ? RECORDING_TABLES : RECORDING_MEASURES;
@@ -41,7 +41,7 @@ mrt_result recording_create(recording *out, const face_file *of, double fps, rec
     out->rows = malloc((size_t)m->vertex_count * 3 * sizeof *out->rows);
     mrt_result result =
         out->rows ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for the recording");
-    if (result >= 0 && use == RECORDING_SAYS)
+    if (result >= 0 && use == RECORDING_WEIGHTS)
         result = prepare_names(out, of, err);
     if (result < 0)
         recording_destroy(out);
@@ -650,7 +650,7 @@ double recording_worst_ms(recording *self)
     return worst;
 }
 
-void recording_tell_surface(const recording *self, facts *told)
+void recording_report_surface(const recording *self, facts *told)
 {
     const surface_state *worst = &self->worst;
     facts_number(told, "range_of_motion_mm", "range of motion", self->furthest_mm, 2, "mm");

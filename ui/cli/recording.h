@@ -9,7 +9,7 @@
 
 typedef enum recording_use {
     RECORDING_KEEPS = 0,
-    RECORDING_SAYS,    /* keep the frames, and their weights of ARKit shapes */
+    RECORDING_WEIGHTS, /* keep the frames, and their weights of ARKit shapes */
     RECORDING_TABLES,  /* numbers only: no shapes of curves, columns or responses of pulls */
     RECORDING_MEASURES /* no clip: memory does not grow with the contents of the frames */
 } recording_use;
@@ -71,7 +71,7 @@ CHECKED mrt_result recording_add_face(recording *self, composer *from, int64_t w
 
 /* Reports how far the face moved, whether it folded or tore, and how much was held back to prevent
  * that. */
-void recording_tell_surface(const recording *self, facts *told);
+void recording_report_surface(const recording *self, facts *told);
 
 /* Frame times in ms; 0 if there are no frames. Sorts the times of recording_add. */
 double recording_median_ms(recording *self);

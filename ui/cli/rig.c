@@ -403,7 +403,7 @@ static mrt_result show_rig(showing *s, const face_file *f, error *err)
     if (result < 0)
         return result;
     char typed[1024];
-    command_typed(typed, sizeof typed);
+    command_line_text(typed, sizeof typed);
     const rigpicture_about about = {
         .made_from = typed, .width = s->look.width, .height = s->look.height};
     result =
@@ -486,7 +486,7 @@ static mrt_result draw_poses(const showing *s, rig_poses_stage *stage, uint32_t 
 {
     char title[256], typed[1024];
     uint32_t drawn = count < RIGPORTRAITS_MAX ? count : RIGPORTRAITS_MAX;
-    command_typed(typed, sizeof typed);
+    command_line_text(typed, sizeof typed);
     stage->solver.stretch_most = stage->rig.solver.stretch_most; /* as in a performance */
     (void)snprintf(title, sizeof title, "%s: %u poses", stage->rig.name, count);
     const rigpicture_about about = {title, typed, s->look.width, s->look.height};
@@ -514,7 +514,7 @@ static mrt_result show_poses(const showing *s, const face_file *f, error *err)
     if (result < 0)
         return result;
     rigportraits_frame frame =
-        rigportraits_frame_empty(s->view_count > 0 ? s->view[0] : rigportraits_usual_view());
+        rigportraits_frame_empty(s->view_count > 0 ? s->view[0] : rigportraits_default_view());
     result = print_poses(&stage, count, &frame, err);
     if (result >= 0 && s->out_path)
         result = draw_poses(s, &stage, count, &frame, err);

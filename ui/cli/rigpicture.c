@@ -391,7 +391,7 @@ static const double field_of_view_rad = 0.42;
 static const double air = 0.025; /* margin at each touched edge, as a share of a panel */
 static const float title_ink[4] = {0.92f, 0.93f, 0.95f, 1.0f};
 
-rigpicture_view rigportraits_usual_view(void)
+rigpicture_view rigportraits_default_view(void)
 {
     return (rigpicture_view){.yaw_rad = 0.349f, .pitch_rad = 0.035f}; /* 20 and 2 degrees */
 }

@@ -57,7 +57,7 @@ enum { /* limit of portraits; usual number of columns; with more than FEW portra
 };
 
 /* Returns the default view of a portrait. */
-rigpicture_view rigportraits_usual_view(void);
+rigpicture_view rigportraits_default_view(void);
 
 /* The extent of all faces in a view. Add each face, then get the camera that shows all of them. */
 typedef struct rigportraits_frame {

@@ -294,7 +294,7 @@ static mrt_result run(stage *self, error *err)
 {
     uint64_t frames = 0;
     mrt_result result = MRT_OK;
-    while (!cancel_is_asked()) {
+    while (!cancel_is_requested()) {
         if (!workspace_frame(self->workspace))
             break;
         if (++frames == WARM_FRAMES)
@@ -382,7 +382,7 @@ static int stage_run(int argc, char **argv)
 
 /* ---- whether an argument is for the stage ---- */
 
-bool stage_is_meant(const char *first)
+bool stage_accepts_argument(const char *first)
 {
     if (strncmp(first, "--", 2) != 0) {
         const open_kind kind = open_kind_of(first);

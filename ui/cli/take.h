@@ -203,7 +203,7 @@ CHECKED mrt_result take_stage_open(take_stage *out, take_call *call, const char 
                                    const char *other, error *err);
 void take_stage_finish(take_stage *self); /* accepts a zeroed struct */
 /* Reports what changed since the recording, and the messages of plugins. */
-void take_stage_tell(take_stage *self);
+void take_stage_report(take_stage *self);
 
 /* Reads the face of the first audible clip of a take. */
 CHECKED mrt_result take_face_read(face_file *out, char **out_path, take_call *call, const take *t,
@@ -234,6 +234,6 @@ CHECKED mrt_result take_log_run(take_call *call, error *err);
 CHECKED mrt_result take_remap_run(take_call *call, error *err);
 
 /* Reports the difference between two takes, by region, and its worst moment. */
-CHECKED mrt_result take_diff_tell(take_call *call, const char *a, const char *b, error *err);
+CHECKED mrt_result take_diff_report(take_call *call, const char *a, const char *b, error *err);
 
 #endif

@@ -186,7 +186,7 @@ static mrt_result tell(take_call *call, const comparison *self, error *err)
     return result;
 }
 
-mrt_result take_diff_tell(take_call *call, const char *a, const char *b, error *err)
+mrt_result take_diff_report(take_call *call, const char *a, const char *b, error *err)
 {
     comparison self = {.at = 0};
     mrt_result result = choose_parts(&self, call, err);
@@ -203,7 +203,7 @@ mrt_result take_diff_tell(take_call *call, const char *a, const char *b, error *
     if (result >= 0)
         result = take_stage_play(&self.a, call, &self.frames, each, &self, err);
     if (result >= 0) {
-        take_stage_tell(&self.b);
+        take_stage_report(&self.b);
         result = tell(call, &self, err);
     }
     diff_destroy(self.by);
@@ -219,5 +219,5 @@ mrt_result take_diff_run(take_call *call, error *err)
 {
     const exports_file table = {call->text[TAKE_CSV], EXPORTS_NONE};
     mrt_result result = call->text[TAKE_CSV] ? exports_check(&table, 1, err) : MRT_OK;
-    return result < 0 ? result : take_diff_tell(call, call->word[1], call->word[2], err);
+    return result < 0 ? result : take_diff_report(call, call->word[1], call->word[2], err);
 }

@@ -18,7 +18,7 @@
 static mrt_result read_look(take_call *call, video_look *out, error *err)
 {
     static const take_option options[] = {TAKE_SIZE, TAKE_VIEW, TAKE_BACKGROUND, TAKE_LOOK};
-    *out = video_look_usual();
+    *out = video_look_default();
     out->is_mirrored = call->text[TAKE_MIRROR] != NULL;
     for (size_t i = 0; i < sizeof options / sizeof options[0]; ++i) {
         const char *name = take_option_name(options[i]), *text = call->text[options[i]];
@@ -82,7 +82,7 @@ static void report_frames(take_call *call, const take_stage *stage, const clip_s
     facts_number(told, "frames", "frames", (double)frames->count, 0, "");
     facts_text(told, "rate", "frame rate", rate);
     facts_text(told, "timecode", "first frame", start->timecode);
-    recording_tell_surface(measured, told);
+    recording_report_surface(measured, told);
 }
 
 static mrt_result read_settings(take_call *call, exports_settings *out, error *err)
@@ -157,7 +157,7 @@ static size_t describe_performance(char *out, size_t capacity, take_call *call, 
                 if (p->param[k].id == type->params[i].id)
                     value[i] = p->param[k].value;
         }
-        exports_tell_params(out, capacity, type, value);
+        exports_describe_params(out, capacity, type, value);
         used = strlen(out);
     }
     for (uint32_t i = 0; i < p->track_count && used + 1 < capacity; ++i) {
@@ -179,7 +179,7 @@ static void describe_making(char *out, size_t capacity, take_call *call, take_st
 {
     const take *t = &stage->take;
     int64_t told = 0;
-    command_typed(out, capacity - 1);
+    command_line_text(out, capacity - 1);
     size_t used = strlen(out);
     out[used++] = '\n';
     out[used] = '\0';

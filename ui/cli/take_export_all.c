@@ -275,7 +275,7 @@ static mrt_result list_takes(batch *self, error *err)
     self->job = calloc(count + 1, sizeof *self->job);
     if (!self->job)
         result = error_set(err, MRT_ERR_MEMORY, "no memory for %zu takes", count);
-    for (size_t i = 0; i < count && result >= 0 && !cancel_is_asked(); ++i)
+    for (size_t i = 0; i < count && result >= 0 && !cancel_is_requested(); ++i)
         result = add_take(self, &rows[i], err);
     free(rows);
     return result < 0 ? result : check_names(self, err);
@@ -376,7 +376,7 @@ static mrt_result finish(batch *self, job *of, int status, error *err)
 static mrt_result look_after(batch *self, bool *is_asked, error *err)
 {
     mrt_result result = MRT_OK;
-    bool asks = cancel_is_asked() && !*is_asked;
+    bool asks = cancel_is_requested() && !*is_asked;
     *is_asked |= asks;
     for (size_t i = 0; i < self->count; ++i) {
         int status;
@@ -400,9 +400,9 @@ static mrt_result run_jobs(batch *self, error *err)
     bool is_asked = false;
     mrt_result result = MRT_OK;
     progress_start(&self->call->shown, "exporting");
-    while (self->running > 0 || (next < self->count && result >= 0 && !cancel_is_asked())) {
+    while (self->running > 0 || (next < self->count && result >= 0 && !cancel_is_requested())) {
         while (result >= 0 && next < self->count && self->running < self->jobs &&
-               !cancel_is_asked()) {
+               !cancel_is_requested()) {
             job *of = &self->job[next++];
             if (is_complete(self, of))
                 self->kept += 1;
@@ -426,7 +426,7 @@ static mrt_result report(batch *self, error *err)
     facts_number(told, "exported", "takes exported", self->done, 0, "");
     facts_number(told, "kept", "complete already", self->kept, 0, "");
     self->call->is_told = true;
-    if (cancel_is_asked())
+    if (cancel_is_requested())
         return error_set(err, MRT_ERR_IO, "stopped. Run the same command again to continue");
     if (self->failed + self->unread_count == 0)
         return MRT_OK;

@@ -256,7 +256,7 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
                                 &self->is_waiting_told);
     for (char key = keys_next(); key; key = keys_next())
         if (key == 'q')
-            cancel_ask();
+            cancel_request();
     snprintf(text, sizeof text, "%s %.1f s",
              overdub_is_recording(self->overdub) ? "recording" : "ready",
              (double)overdub_at_ns(self->overdub) / 1e9);
@@ -624,7 +624,7 @@ static mrt_result report_remap(remap *self, int64_t id, error *err)
     (void)snprintf(b, sizeof b, "%lld", (long long)id);
     call->text[TAKE_FACE] = NULL; /* each take on its own face */
     error why = {""};
-    if (take_diff_tell(call, a, b, &why) < 0)
+    if (take_diff_report(call, a, b, &why) < 0)
         fprintf(stderr, "note: the two takes are not compared: %s\n", why.text);
     return MRT_OK;
 }

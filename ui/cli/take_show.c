@@ -344,7 +344,7 @@ static mrt_result run_list(take_call *call, error *err)
         result = show_takes(call->show, &takes, &count, err);
     if (result < 0)
         return result;
-    for (size_t i = 0; i < count && !cancel_is_asked(); ++i) {
+    for (size_t i = 0; i < count && !cancel_is_requested(); ++i) {
         take t;
         error problem = {""};
         if (edit_store_take_of(&t, call->show, &takes[i], &problem) < 0 && !problem.text[0])
@@ -473,7 +473,7 @@ for_performances(show *s, mrt_result (*each)(void *data, const take_performance 
     mrt_result worst = MRT_OK, result = show_performance_ids(s, &ids, &count, err);
     if (result < 0)
         return result;
-    for (size_t i = 0; i < count && !cancel_is_asked(); ++i) {
+    for (size_t i = 0; i < count && !cancel_is_requested(); ++i) {
         show_performance of;
         result = show_performance_read(s, ids[i], &of, err);
         if (result >= 0) {
@@ -594,7 +594,7 @@ static mrt_result check_track(checking *self, int64_t id, error *err)
             self->sample_count += 1;
         else
             note(self, &problem);
-        if (result < 0 && (self->problem_count > 100000 || cancel_is_asked()))
+        if (result < 0 && (self->problem_count > 100000 || cancel_is_requested()))
             break;
     }
     show_reader_close(reader);
@@ -641,7 +641,7 @@ static mrt_result check_takes(checking *self, error *err)
     mrt_result result = show_takes(self->call->show, &takes, &count, err);
     if (result < 0)
         return result;
-    for (size_t i = 0; i < count && !cancel_is_asked(); ++i) {
+    for (size_t i = 0; i < count && !cancel_is_requested(); ++i) {
         take t;
         error problem = {""};
         if (edit_store_take_of(&t, self->call->show, &takes[i], &problem) < 0)
@@ -688,7 +688,7 @@ check_all(checking *self, mrt_result (*list)(show *s, int64_t **out, size_t *out
     if (result < 0)
         return result;
     progress_start(&self->call->shown, "reading");
-    for (size_t i = 0; i < count && result >= 0 && !cancel_is_asked(); ++i) {
+    for (size_t i = 0; i < count && result >= 0 && !cancel_is_requested(); ++i) {
         progress_show(&self->call->shown, (double)i / (double)count, "");
         result = check(self, ids[i], err);
     }

@@ -178,7 +178,7 @@ void take_stage_finish(take_stage *self)
     *self = (take_stage){0};
 }
 
-void take_stage_tell(take_stage *self)
+void take_stage_report(take_stage *self)
 {
     news_print(self->log);
     news_print_notes(sequencer_note(self->sequencer));
@@ -281,7 +281,7 @@ mrt_result take_stage_play(take_stage *self, take_call *call, const take_frames 
     progress_start(&call->shown, "performing");
     for (int64_t i = 0; i < frames->count && result >= 0; ++i) {
         int64_t at_ns = timecode_time_ns(frames->rate, frames->first + i);
-        if (cancel_is_asked()) {
+        if (cancel_is_requested()) {
             result = error_set(err, MRT_ERR_IO, "stopped at frame %lld", (long long)i);
             break;
         }
@@ -293,7 +293,7 @@ mrt_result take_stage_play(take_stage *self, take_call *call, const take_frames 
         progress_show_time(&call->shown, (double)(at_ns - begin_ns) / 1e9, total_s);
     }
     progress_end(&call->shown);
-    take_stage_tell(self);
+    take_stage_report(self);
     return result;
 }
 
@@ -337,7 +337,7 @@ static void show_when_due(playing *self, int64_t at_ns)
     performer *p = sequencer_performer(self->stage.sequencer);
     composer_draw(p->composer);
     int64_t due_ns = self->begun_ns + (at_ns - self->in_ns), now_ns = clock_now_ns();
-    for (; now_ns < due_ns && !cancel_is_asked(); now_ns = clock_now_ns())
+    for (; now_ns < due_ns && !cancel_is_requested(); now_ns = clock_now_ns())
         clock_sleep_until_ns(due_ns - now_ns > slice_ns ? now_ns + slice_ns : due_ns);
     perform_outputs_show(&self->outputs, p, due_ns, at_ns);
     self->shown_at_ns = at_ns;
@@ -352,7 +352,7 @@ static mrt_result play(playing *self, error *err)
     mrt_result result = sequencer_seek(s, self->in_ns, err);
     self->begun_ns = clock_now_ns() + ahead_ns;
     self->shown_at_ns = self->in_ns - pause_ns;
-    while (result >= 0 && result != MRT_END && !cancel_is_asked()) {
+    while (result >= 0 && result != MRT_END && !cancel_is_requested()) {
         int64_t at_ns = sequencer_now_ns(s) > self->in_ns ? sequencer_now_ns(s) : self->in_ns;
         if (at_ns > self->out_ns)
             break;
@@ -363,7 +363,7 @@ static mrt_result play(playing *self, error *err)
             result = MRT_ERR_FORMAT;
     }
     /* Show the last face, because the receivers keep it. */
-    if (result == MRT_END && !cancel_is_asked() && sequencer_now_ns(s) > self->shown_at_ns)
+    if (result == MRT_END && !cancel_is_requested() && sequencer_now_ns(s) > self->shown_at_ns)
         show_when_due(self, sequencer_now_ns(s));
     return result;
 }
@@ -382,7 +382,7 @@ mrt_result take_play_run(take_call *call, error *err)
         progress_start(&call->shown, "playing");
         result = play(&self, err);
         progress_end(&call->shown);
-        take_stage_tell(&self.stage);
+        take_stage_report(&self.stage);
         perform_outputs_report(self.outputs.outputs, call->told);
     }
     perform_outputs_close(&self.outputs);

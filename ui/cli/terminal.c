@@ -80,7 +80,7 @@ void news_print(log_queue *log)
             news_print_record(&record);
         last = record;
     }
-    uint32_t lost = log ? log_take_lost(log) : 0;
+    uint32_t lost = log ? log_pop_lost(log) : 0;
     if (lost)
         fprintf(stderr, "warning: %u messages were lost, because there were too many\n", lost);
 }

@@ -245,7 +245,7 @@ surface surface_of(const mesh_material *material)
     if (material->roughness > dry_roughness) {
         if (HAS_ANY(material->name, stone_words))
             s.kind = SURFACE_STONE;
-        else if (material->says_roughness && HAS_ANY(material->name, felt_words))
+        else if (material->has_roughness && HAS_ANY(material->name, felt_words))
             s.kind = SURFACE_FELT;
         return s;
     }

@@ -14,7 +14,7 @@ static const char *const fits[] = {[DRAW_COVER] = "cover", [DRAW_CONTAIN] = "con
 enum { NOTE = 32 * SCENERY_VIEWS * DRAW_VIEW_NUMBERS }; /* maximum length of any note */
 _Static_assert((int)NOTE >= (int)LIGHTING_TEXT, "a note of lights has room");
 
-scenery scenery_usual(void)
+scenery scenery_default(void)
 {
     scenery out;
     memset(&out, 0, sizeof out);
@@ -99,7 +99,7 @@ static const struct {
 mrt_result scenery_read(scenery *out, show *from, error *err)
 {
     mrt_result result = MRT_OK;
-    *out = scenery_usual();
+    *out = scenery_default();
     for (size_t i = 0; from && i < sizeof notes / sizeof notes[0]; ++i) {
         char text[NOTE] = "";
         error why = {""};

@@ -19,7 +19,7 @@ typedef struct scenery {
     draw_camera_view view[SCENERY_VIEWS];
 } scenery;
 
-scenery scenery_usual(void); /* unused bytes are 0, so that memcmp can compare two */
+scenery scenery_default(void); /* unused bytes are 0, so that memcmp can compare two */
 /* Reads the scene of a show; NULL: default scene. Invalid notes are replaced by defaults, and
  * returned as an error. */
 CHECKED mrt_result scenery_read(scenery *out, show *from, error *err);

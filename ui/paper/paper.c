@@ -43,7 +43,8 @@ static const char help[] =
 
 mrt_result paper_check_stop(error *err)
 {
-    return cancel_is_asked() ? error_set(err, MRT_ERR_IO, "stopped; nothing was written") : MRT_OK;
+    return cancel_is_requested() ? error_set(err, MRT_ERR_IO, "stopped; nothing was written")
+                                 : MRT_OK;
 }
 
 void paper_count(char out[32], double value)

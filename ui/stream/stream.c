@@ -215,7 +215,7 @@ static void note(stream_target *self, bool is_open, uint64_t given, const char *
     pthread_mutex_lock(&self->mutex);
     self->status.is_open = is_open;
     self->status.given += given;
-    (void)snprintf(self->status.says, sizeof self->status.says, "%.*s", STREAM_SAYS - 1, says);
+    (void)snprintf(self->status.says, sizeof self->status.says, "%.*s", STREAM_MESSAGE - 1, says);
     pthread_mutex_unlock(&self->mutex);
 }
 
@@ -244,7 +244,7 @@ static void *run(void *data)
     error left = {""};
     while (wait_for_picture(self)) {
         error err = {""};
-        if (!slot_take(&self->slot) || (!way && clock_now_ns() < again_ns))
+        if (!slot_receive(&self->slot) || (!way && clock_now_ns() < again_ns))
             continue;
         mrt_result result =
             way ? MRT_OK : self->way->open(&way, self->target, &self->look, &self->stop, &err);

@@ -6,7 +6,7 @@
 #define MAROTTE_UI_STREAM_STREAM_H
 #include "base/error.h"
 
-enum { STREAM_TARGETS_MAX = 4, STREAM_TARGET = 256, STREAM_SAYS = 256 };
+enum { STREAM_TARGETS_MAX = 4, STREAM_TARGET = 256, STREAM_MESSAGE = 256 };
 
 typedef struct stream_look {
     uint32_t width, height; /* even */
@@ -50,8 +50,8 @@ void stream_give(stream_target *self);
 
 typedef struct stream_status {
     bool is_open, has_ended;
-    char says[STREAM_SAYS]; /* a problem, one line; "": none */
-    uint64_t given;         /* number of delivered pictures */
+    char says[STREAM_MESSAGE]; /* a problem, one line; "": none */
+    uint64_t given;            /* number of delivered pictures */
 } stream_status;
 stream_status stream_status_of(stream_target *self);
 

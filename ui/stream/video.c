@@ -45,9 +45,9 @@ static const struct {
              [VIDEO_SIDE] = {"side", 1.5708f, 0.0f},
              [VIDEO_THREE_QUARTER] = {"three-quarter", 0.6109f, 0.0873f}}; /* 35 and 5 degrees */
 
-video_look video_look_usual(void)
+video_look video_look_default(void)
 {
-    return (video_look){.width = 1280, .height = 720, .scene = scenery_usual()};
+    return (video_look){.width = 1280, .height = 720, .scene = scenery_default()};
 }
 
 static bool read_side(text_view word, uint32_t *out)
@@ -75,7 +75,7 @@ bool video_look_size(video_look *self, const char *text)
 /* Reads "0.3,0.1,1,0,0,0". */
 static bool read_own_view(video_look *self, const char *text)
 {
-    scenery made = scenery_usual();
+    scenery made = scenery_default();
     char spaced[256];
     if (strlen(text) >= sizeof spaced)
         return false;
@@ -204,7 +204,7 @@ mrt_result video_look_open(video_look *self, show *from, log_queue *log, error *
     const lighting_look *look = self->scene_of ? look_named(self->scene_of) : NULL;
     mrt_result result = MRT_OK;
     error why = {""};
-    self->scene = scenery_usual();
+    self->scene = scenery_default();
     if (self->scene_of && !look)
         result = read_scene_of(self, self->scene_of, err);
     else if (from && read_scene(self, from, &why) < 0)

@@ -39,7 +39,7 @@ typedef struct video_look {
 } video_look;
 
 /* Returns the default look: 1280 by 720, from the front, the studio's wall. */
-video_look video_look_usual(void);
+video_look video_look_default(void);
 
 /* Parse the value of an option. Size: "1920x1080". View: "front", "side", "three-quarter", "2" (a
  * camera view), or six numbers with commas (draw_camera_view). Background: "#00b140",

@@ -310,7 +310,7 @@ static bool needs_a_word(export_page *self, char (*name)[EXPORT_FILE], uint32_t 
 /* Of what was typed: as take export reads it. */
 static mrt_result check_look(const export_page *self, const char *path, error *err)
 {
-    video_look is = video_look_usual();
+    video_look is = video_look_default();
     const char *size = size_of(self), *background = background_of(self);
     if (!is_drawn(self))
         return MRT_OK;

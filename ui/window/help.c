@@ -45,8 +45,8 @@ static void offer(help *self, key_map *keys, key_chord chord)
     } else if (holder != ACTION_NONE && holder != of && !is_again) {
         self->offered = chord;
         (void)snprintf(self->says, sizeof self->says,
-                       "%s is the key of \"%.60s\". Press it again to reassign it. Esc: cancel.",
-                       words, action_of(holder)->title);
+                       "%s is used by \"%.60s\". Again: reassign. Esc: cancel.", words,
+                       action_of(holder)->title);
     } else {
         key_map_set(keys, of, chord);
         wait_for_key(self, ACTION_NONE);

@@ -32,7 +32,7 @@ struct streams {
 
 bool streams_ground(const char *text, float out[4])
 {
-    video_look look = video_look_usual();
+    video_look look = video_look_default();
     if (!text[0] || !video_look_ground(&look, text) || look.picture_path)
         return false;
     memcpy(out, look.rgba, 4 * sizeof *out);
@@ -128,7 +128,7 @@ static void open_targets(streams *self, const app_picture *wanted)
 
 static void tell(streams *self)
 {
-    char says[STREAM_SAYS] = "";
+    char says[STREAM_MESSAGE] = "";
     for (uint32_t i = 0; i < self->count; ++i) {
         const stream_status now = stream_status_of(self->target[i]);
         if (now.says[0])

@@ -27,23 +27,23 @@ static bool are_equal(const points *a, const points *b)
 static void put_shape(bytes_out *out, const points *p, const points *rest)
 {
     bool is_moved = !are_equal(p, rest);
-    bytes_put_u32(out, is_moved);
+    bytes_write_u32(out, is_moved);
     if (!is_moved)
         return;
     const float *const stream[3] = {p->x, p->y, p->z};
     for (int axis = 0; axis < 3; ++axis)
-        bytes_put(out, stream[axis], (size_t)p->padded_count * sizeof(float));
+        bytes_write(out, stream[axis], (size_t)p->padded_count * sizeof(float));
 }
 
 static void take_shape(bytes_in *in, points *out, const points *rest)
 {
-    if (bytes_take_u32(in) == 0) {
+    if (bytes_read_u32(in) == 0) {
         points_copy(out, rest);
         return;
     }
     float *const stream[3] = {out->x, out->y, out->z};
     for (int axis = 0; axis < 3; ++axis)
-        bytes_take(in, stream[axis], (size_t)out->padded_count * sizeof(float));
+        bytes_read(in, stream[axis], (size_t)out->padded_count * sizeof(float));
     in->failed |= !points_are_usable(out);
     points_update_bounds(out);
 }
@@ -53,14 +53,14 @@ static void take_shape(bytes_in *in, points *out, const points *rest)
 static void put_grip(bytes_out *out, const face *f, const face_grip *grip)
 {
     for (uint32_t b = 0; b < f->bone_count; ++b) {
-        bytes_put_f64(out, grip->share[b]);
-        bytes_put_u32(out, grip->belongs[b]);
+        bytes_write_f64(out, grip->share[b]);
+        bytes_write_u32(out, grip->belongs[b]);
     }
     const double values[] = {grip->mobility, grip->riding, grip->start.x, grip->start.y,
                              grip->start.z};
-    bytes_put(out, values, sizeof values);
-    bytes_put_u32(out, grip->contact);
-    bytes_put_u32(out, grip->is_dropped);
+    bytes_write(out, values, sizeof values);
+    bytes_write_u32(out, grip->contact);
+    bytes_write_u32(out, grip->is_dropped);
 }
 
 static void take_grip(bytes_in *in, const face *f, face_grip *out)
@@ -68,19 +68,19 @@ static void take_grip(bytes_in *in, const face *f, face_grip *out)
     memset(out, 0, sizeof *out);
     uint32_t bones_held = 0;
     for (uint32_t b = 0; b < f->bone_count; ++b) {
-        out->share[b] = bytes_take_f64(in);
-        out->belongs[b] = bytes_take_u32(in) != 0;
+        out->share[b] = bytes_read_f64(in);
+        out->belongs[b] = bytes_read_u32(in) != 0;
         bones_held += out->belongs[b];
         in->failed |= fabs(out->share[b]) > share_most ||
                       (out->belongs[b] && !(out->share[b] > belonging_least));
     }
-    out->mobility = bytes_take_f64(in);
-    out->riding = bytes_take_f64(in);
-    out->start.x = bytes_take_f64(in);
-    out->start.y = bytes_take_f64(in);
-    out->start.z = bytes_take_f64(in);
-    out->contact = bytes_take_u32(in);
-    out->is_dropped = bytes_take_u32(in) != 0;
+    out->mobility = bytes_read_f64(in);
+    out->riding = bytes_read_f64(in);
+    out->start.x = bytes_read_f64(in);
+    out->start.y = bytes_read_f64(in);
+    out->start.z = bytes_read_f64(in);
+    out->contact = bytes_read_u32(in);
+    out->is_dropped = bytes_read_u32(in) != 0;
     in->failed |= bones_held > FACE_BONES_PER_CONTROL || out->contact > f->contact_count ||
                   !(out->mobility > mobility_least) || !(out->mobility < mobility_most) ||
                   !(out->riding >= 0.0 && out->riding <= 1.0) ||
@@ -90,20 +90,20 @@ static void take_grip(bytes_in *in, const face *f, face_grip *out)
 
 static void put_settings(bytes_out *out, const csrbf_settings *s)
 {
-    bytes_put_u32(out, (uint32_t)s->kernel);
-    bytes_put_u32(out, (uint32_t)s->polynomial);
-    bytes_put_f64(out, s->radius);
-    bytes_put_f64(out, s->ridge);
-    bytes_put_f64(out, s->stretch_most);
+    bytes_write_u32(out, (uint32_t)s->kernel);
+    bytes_write_u32(out, (uint32_t)s->polynomial);
+    bytes_write_f64(out, s->radius);
+    bytes_write_f64(out, s->ridge);
+    bytes_write_f64(out, s->stretch_most);
 }
 
 static void take_settings(bytes_in *in, csrbf_settings *out)
 {
-    out->kernel = (csrbf_kernel)bytes_take_u32(in);
-    out->polynomial = (csrbf_polynomial)bytes_take_u32(in);
-    out->radius = bytes_take_f64(in);
-    out->ridge = bytes_take_f64(in);
-    out->stretch_most = bytes_take_f64(in);
+    out->kernel = (csrbf_kernel)bytes_read_u32(in);
+    out->polynomial = (csrbf_polynomial)bytes_read_u32(in);
+    out->radius = bytes_read_f64(in);
+    out->ridge = bytes_read_f64(in);
+    out->stretch_most = bytes_read_f64(in);
     in->failed |= !isfinite(out->stretch_most) || out->kernel > CSRBF_WENDLAND_C6 ||
                   out->polynomial > CSRBF_WINDOWED;
 }
@@ -117,37 +117,37 @@ static void put_shape_weights(bytes_out *out, const face_shapes *s)
     for (uint32_t i = 0; i < s->count; ++i)
         are_asked |= s->asked[i] > 0.0;
     if (s->count > 0)
-        bytes_put_u32(out, s->count | (are_asked ? SHAPES_ARE_ASKED : 0u));
+        bytes_write_u32(out, s->count | (are_asked ? SHAPES_ARE_ASKED : 0u));
     for (uint32_t i = 0; i < s->count; ++i)
-        bytes_put_f64(out, s->weight[i]);
+        bytes_write_f64(out, s->weight[i]);
     for (uint32_t i = 0; i < s->count && are_asked; ++i)
-        bytes_put_f64(out, s->asked[i]);
+        bytes_write_f64(out, s->asked[i]);
 }
 
 size_t face_save(const face *f, void *bytes, size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
-    bytes_put(&out, store_mark, sizeof store_mark);
-    bytes_put_u32(&out, STORE_VERSION);
-    bytes_put_u32(&out, f->rest.count);
-    bytes_put_u32(&out, f->bone_count);
-    bytes_put_u32(&out, f->contact_count);
-    bytes_put_u32(&out, f->bones.dof_count);
+    bytes_write(&out, store_mark, sizeof store_mark);
+    bytes_write_u32(&out, STORE_VERSION);
+    bytes_write_u32(&out, f->rest.count);
+    bytes_write_u32(&out, f->bone_count);
+    bytes_write_u32(&out, f->contact_count);
+    bytes_write_u32(&out, f->bones.dof_count);
     for (uint32_t i = 0; i < f->bones.dof_count; ++i)
-        bytes_put_f64(&out, (double)f->dof[i]);
+        bytes_write_f64(&out, (double)f->dof[i]);
     put_shape_weights(&out, &f->shapes);
-    bytes_put_u32(&out, f->origin == &f->free ? ORIGIN_FREE : ORIGIN_BASE);
+    bytes_write_u32(&out, f->origin == &f->free ? ORIGIN_FREE : ORIGIN_BASE);
     put_shape(&out, &f->base, &f->rest);
     if (f->origin == &f->free)
         put_shape(&out, &f->free, &f->rest);
-    bytes_put_u32(&out, f->control_count);
+    bytes_write_u32(&out, f->control_count);
     if (f->control_count == 0)
         return out.size;
     put_settings(&out, &f->settings);
     for (uint32_t k = 0; k < f->control_count; ++k)
         put_grip(&out, f, &f->grip[k]);
-    bytes_put_u32(&out, f->control_column_count);
-    bytes_put(&out, f->weight, (size_t)3 * f->control_column_count * sizeof *f->weight);
+    bytes_write_u32(&out, f->control_column_count);
+    bytes_write(&out, f->weight, (size_t)3 * f->control_column_count * sizeof *f->weight);
     return out.size;
 }
 
@@ -155,7 +155,7 @@ size_t face_save(const face *f, void *bytes, size_t capacity)
 
 static float take_single(bytes_in *in)
 {
-    double value = bytes_take_f64(in);
+    double value = bytes_read_f64(in);
     bool fits = fabs(value) <= (double)FLT_MAX;
     in->failed |= !fits;
     return fits ? (float)value : 0.0f;
@@ -164,13 +164,13 @@ static float take_single(bytes_in *in)
 static bool is_of_this_face(bytes_in *in, const face *f)
 {
     char mark[sizeof store_mark];
-    bytes_take(in, mark, sizeof mark);
+    bytes_read(in, mark, sizeof mark);
     bool fits = memcmp(mark, store_mark, sizeof mark) == 0;
-    fits &= bytes_take_u32(in) == STORE_VERSION;
-    fits &= bytes_take_u32(in) == f->rest.count;
-    fits &= bytes_take_u32(in) == f->bone_count;
-    fits &= bytes_take_u32(in) == f->contact_count;
-    fits &= bytes_take_u32(in) == f->bones.dof_count;
+    fits &= bytes_read_u32(in) == STORE_VERSION;
+    fits &= bytes_read_u32(in) == f->rest.count;
+    fits &= bytes_read_u32(in) == f->bone_count;
+    fits &= bytes_read_u32(in) == f->contact_count;
+    fits &= bytes_read_u32(in) == f->bones.dof_count;
     return fits && !in->failed;
 }
 
@@ -178,7 +178,7 @@ static bool is_of_this_face(bytes_in *in, const face *f)
 static bool take_controls(bytes_in *in, face *f)
 {
     csrbf_settings settings = {0};
-    uint32_t count = bytes_take_u32(in);
+    uint32_t count = bytes_read_u32(in);
     if (count == 0 && !in->failed)
         return true;
     if (in->failed || count > f->control_capacity || f->origin == &f->free)
@@ -191,9 +191,9 @@ static bool take_controls(bytes_in *in, face *f)
     f->settings = settings;
     f->control_count = count;
     face_assign(f, f->grip, count);
-    if (face_hold(f, NULL) < 0 || bytes_take_u32(in) != f->control_column_count)
+    if (face_hold(f, NULL) < 0 || bytes_read_u32(in) != f->control_column_count)
         return false;
-    bytes_take(in, f->weight, (size_t)3 * f->control_column_count * sizeof *f->weight);
+    bytes_read(in, f->weight, (size_t)3 * f->control_column_count * sizeof *f->weight);
     for (size_t i = 0; i < (size_t)3 * f->control_column_count; ++i)
         in->failed |= !(fabs(f->weight[i]) <= (double)POINTS_REACH);
     return !in->failed;
@@ -202,7 +202,7 @@ static bool take_controls(bytes_in *in, face *f)
 static void take_shares(bytes_in *in, double *out, uint32_t count)
 {
     for (uint32_t i = 0; i < count && !in->failed; ++i) {
-        double share = bytes_take_f64(in);
+        double share = bytes_read_f64(in);
         in->failed |= !(share >= 0.0 && share <= 1.0);
         out[i] = in->failed ? 0.0 : share;
     }
@@ -213,7 +213,7 @@ static void take_shape_weights(bytes_in *in, face *f)
     face_shapes *s = &f->shapes;
     if (s->count == 0)
         return;
-    uint32_t count = bytes_take_u32(in);
+    uint32_t count = bytes_read_u32(in);
     in->failed |= (count & ~SHAPES_ARE_ASKED) != s->count;
     take_shares(in, s->weight, s->count);
     if (count & SHAPES_ARE_ASKED)
@@ -231,7 +231,7 @@ mrt_result face_load(face *f, const void *bytes, size_t size, error *err)
     for (uint32_t i = 0; i < f->bones.dof_count; ++i)
         dof[i] = take_single(&in);
     take_shape_weights(&in, f);
-    bool is_free = bytes_take_u32(&in) == ORIGIN_FREE;
+    bool is_free = bytes_read_u32(&in) == ORIGIN_FREE;
     take_shape(&in, &f->base, &f->rest);
     if (is_free)
         take_shape(&in, &f->free, &f->rest);

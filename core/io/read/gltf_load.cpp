@@ -833,7 +833,7 @@ gltf_document gltf_load(const gltf_container &container, const char *directory)
         out.images.push_back({image.value("name", ""), image.value("uri", ""),
                               (int)image.value("bufferView", (int64_t)-1)});
     for (const json &material : array_at(document, "", "materials"))
-        out.says_roughness.push_back(
+        out.has_roughness.push_back(
             object_at(material, "", "pbrMetallicRoughness").contains("roughnessFactor"));
     for (const char *section : {"animations", "cameras", "extras", "images"})
         document.erase(section);

@@ -46,7 +46,7 @@ struct gltf_image { /* what the document says of a picture; nobody has looked at
 struct gltf_document {
     tinygltf::Model model; /* without images, animations, cameras, lights */
     std::vector<gltf_image> images;
-    std::vector<bool> says_roughness; /* of each material */
+    std::vector<bool> has_roughness; /* of each material */
 };
 
 /* `directory`: as in gltf_parse. */

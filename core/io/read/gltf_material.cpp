@@ -121,7 +121,7 @@ class material_reader
             m.base_colour[channel] = within(rough.baseColorFactor.at(channel), 0, 1);
         m.roughness = within(rough.roughnessFactor, 0, 1);
         m.metallic = within(rough.metallicFactor, 0, 1);
-        m.says_roughness = document_.says_roughness[index];
+        m.has_roughness = document_.has_roughness[index];
         m.is_single_sided = !source.doubleSided;
         m.alpha = source.alphaMode == "MASK"    ? MESH_ALPHA_MASK
                   : source.alphaMode == "BLEND" ? MESH_ALPHA_BLEND

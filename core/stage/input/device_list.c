@@ -56,18 +56,18 @@ static mrt_result look_with(device_list *out, const mrt_plugin_type *type, log_q
     return result;
 }
 
-bool device_list_knows(const mrt_plugin_type *type)
+bool device_list_can_list(const mrt_plugin_type *type)
 {
     return knows_devices(type) != NULL;
 }
 
-mrt_result device_list_look(device_list *out, const plugin_list *plugins, log_queue *log,
+mrt_result device_list_scan(device_list *out, const plugin_list *plugins, log_queue *log,
                             log_once *already_logged, error *err)
 {
     *out = (device_list){.count = 0};
     for (uint32_t i = 0; i < plugins->entry_count; ++i) {
         const mrt_plugin_type *type = plugins->entry[i].type;
-        if (!device_list_knows(type))
+        if (!device_list_can_list(type))
             continue;
         mrt_result result = look_with(out, type, log, already_logged, err);
         if (result == MRT_ERR_MEMORY)

@@ -20,9 +20,9 @@ typedef struct device_list {
 
 /* already_logged: texts of earlier scans, which are not logged again; NULL: none. A plugin that
  * fails is logged. The devices of the other plugins are still listed. */
-CHECKED mrt_result device_list_look(device_list *out, const plugin_list *plugins, log_queue *log,
+CHECKED mrt_result device_list_scan(device_list *out, const plugin_list *plugins, log_queue *log,
                                     log_once *already_logged, error *err);
 /* Returns whether an input type can list devices. */
-bool device_list_knows(const mrt_plugin_type *type);
+bool device_list_can_list(const mrt_plugin_type *type);
 
 #endif

@@ -25,7 +25,7 @@ struct feed {
     mrt_interface interfaces[2];
     channel_table table;
     int64_t period_ns;
-    ring *values; /* elements of type given, from feed_give to the reader */
+    ring *values; /* elements of type given, from feed_push to the reader */
     wake signal;
 };
 
@@ -167,7 +167,7 @@ const mrt_plugin_type *feed_type(const feed *self)
     return &self->type;
 }
 
-void feed_give(feed *self, const float *value, feed_activity activity)
+void feed_push(feed *self, const float *value, feed_activity activity)
 {
     given now = {.time_ns = clock_now_ns(), .activity = (int32_t)activity};
     for (uint32_t i = 0; i < self->table.count; ++i)

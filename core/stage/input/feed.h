@@ -27,6 +27,6 @@ typedef enum feed_activity {
 } feed_activity;
 /* Adds a sample of these values with the current time. Never waits. Values that are not finite
  * become 0. */
-void feed_give(feed *self, const float *value, feed_activity activity);
+void feed_push(feed *self, const float *value, feed_activity activity);
 
 #endif

@@ -279,7 +279,7 @@ void health_post(health_board *board, const health_report *report)
     atomic_store_explicit(&board->sequence, sequence + 2, memory_order_release);
 }
 
-void health_look(const health_board *board, health_report *out)
+void health_read(const health_board *board, health_report *out)
 {
     uint64_t words[HEALTH_BOARD_WORDS];
     for (;;) {

@@ -87,6 +87,6 @@ typedef struct health_board {
 void health_board_init(health_board *out);
 void health_post(health_board *board, const health_report *report); /* [writer] never waits */
 /* [any but frame] Waits while a report is being written. */
-void health_look(const health_board *board, health_report *out);
+void health_read(const health_board *board, health_report *out);
 
 #endif

@@ -381,7 +381,7 @@ static void lose_device(input *self, const error *why, int64_t now_ns)
     /* try immediately, unless the device was opened just before */
     self->outage.next_try_ns = self->opened_ns + self->patience_first_ns;
     health_lost(&self->meter);
-    push_incident(self, INPUT_WENT, now_ns, 0, why->text);
+    push_incident(self, INPUT_WAS_LOST, now_ns, 0, why->text);
     change_state(self, INPUT_LOST, why->text, now_ns);
     close_plugin(self);
 }
@@ -392,7 +392,7 @@ static void device_is_back(input *self, int64_t now_ns)
 {
     const channel_table *table = newest_table(self);
     health_reopened(&self->meter, table->channel, table->count);
-    push_incident(self, INPUT_CAME, now_ns, now_ns - self->outage.lost_ns, "");
+    push_incident(self, INPUT_IS_BACK, now_ns, now_ns - self->outage.lost_ns, "");
     change_state(self, INPUT_RUNNING, "", now_ns);
 }
 
@@ -426,7 +426,7 @@ static void reopen_device(input *self)
         return;
     }
     error why = {""};
-    (void)instance_take_restart(&self->plugin); /* it is opened now anyway */
+    (void)instance_pop_restart(&self->plugin); /* it is opened now anyway */
     mrt_result result = open_device_again(self, &why);
     if (result >= 0 || is_stopping(self))
         return;
@@ -451,7 +451,7 @@ static void restart(input *self)
 
 static bool may_restart(input *self)
 {
-    if (!instance_take_restart(&self->plugin))
+    if (!instance_pop_restart(&self->plugin))
         return false;
     if (clock_now_ns() >= self->opened_ns + self->patience_first_ns)
         return true;
@@ -528,7 +528,7 @@ static bool read_virtual(input *self, input_record *out)
     for (uint32_t fruitless = 0; atomic_load(&self->state) == INPUT_RUNNING; ++fruitless) {
         error why = {""};
         int64_t now_ns;
-        if (instance_take_restart(&self->plugin)) {
+        if (instance_pop_restart(&self->plugin)) {
             restart(self);
             fruitless += FRUITLESS_READS / 100;
         }
@@ -693,7 +693,7 @@ void input_set_keeper(input *self, input_keeper keeper)
     pthread_mutex_unlock(&self->keeper_lock);
 }
 
-uint32_t input_taken(const input *self)
+uint32_t input_popped_count(const input *self)
 {
     return self->taken_count;
 }
@@ -790,7 +790,7 @@ bool input_peek(input *self, mrt_sample *out_sample)
     return true;
 }
 
-void input_take(input *self)
+void input_pop(input *self)
 {
     input_record dropped;
     if (self->plugin.clock == CLOCK_REAL)
@@ -826,7 +826,7 @@ static mrt_result peek_source(void *self, mrt_sample *out, uint32_t *out_version
 
 static void pop_source(void *self)
 {
-    input_take(self);
+    input_pop(self);
 }
 
 static const mrt_channel *source_channels(void *self, uint32_t version, uint32_t *out_count)
@@ -843,7 +843,7 @@ sample_source input_source(input *self)
                            .channels = source_channels};
 }
 
-bool input_take_incident(input *self, input_incident *out)
+bool input_pop_incident(input *self, input_incident *out)
 {
     return ring_pop(self->incidents, out);
 }
@@ -869,7 +869,7 @@ void input_health(const input *self, health_report *out)
         *out = (health_report){.state = atomic_load(&self->state)};
         return;
     }
-    health_look(&self->board, out);
+    health_read(&self->board, out);
     health_age(out, clock_now_ns());
 }
 

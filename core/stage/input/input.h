@@ -19,15 +19,15 @@ typedef enum input_state {
 
 typedef enum input_incident_kind {
     INPUT_NO_INCIDENT = 0,
-    INPUT_WENT, /* the device was lost; its pedals are released */
-    INPUT_CAME  /* the device is connected again */
+    INPUT_WAS_LOST, /* the device was lost; its pedals are released */
+    INPUT_IS_BACK   /* the device is connected again */
 } input_incident_kind;
 
 typedef struct input_incident {
     input_incident_kind kind;
     int64_t time_ns;
-    int64_t away_ns;     /* INPUT_CAME: duration of the loss */
-    char text[LOG_TEXT]; /* INPUT_WENT: error text of the plugin; "": none */
+    int64_t away_ns;     /* INPUT_IS_BACK: duration of the loss */
+    char text[LOG_TEXT]; /* INPUT_WAS_LOST: error text of the plugin; "": none */
 } input_incident;
 
 /* Opens the address with the parameters "key=value,...". `log` must outlive the input. Returns an
@@ -65,8 +65,8 @@ typedef struct input_keeper {
 /* Sets the keeper at any time; {0}: none. After this returns, the previous keeper is not called any
  * more. Not for a virtual clock, where samples do not arrive before they are performed. */
 void input_set_keeper(input *self, input_keeper keeper);
-/* [frame] Returns the number of the newest sample that input_take removed, plus one. */
-uint32_t input_taken(const input *self);
+/* [frame] Returns the number of the newest sample that input_pop removed, plus one. */
+uint32_t input_popped_count(const input *self);
 
 /* Call before input_start. Sets the time between two attempts to open a lost device: at first
  * (default 250 ms), and after eight attempts (default 500 ms). For tests that lose many devices. */
@@ -102,14 +102,14 @@ void input_stop(input *self);
 /* [frame] Copies the oldest sample in the ring. False: none now. On a virtual clock it reads the
  * plugin, and false means that the input has ended. */
 bool input_peek(input *self, mrt_sample *out_sample);
-void input_take(input *self); /* [frame] removes the sample that input_peek returned */
+void input_pop(input *self); /* [frame] removes the sample that input_peek returned */
 /* [frame] The same functions for a reader of several sources. */
 sample_source input_source(input *self);
 /* [frame] Returns the version of the sample that input_peek returned last, at first 0. */
 uint32_t input_version(const input *self);
 uint32_t input_newest_version(const input *self); /* [any] version of the newest samples */
 /* [frame] Removes the oldest incident. False: none now. */
-bool input_take_incident(input *self, input_incident *out);
+bool input_pop_incident(input *self, input_incident *out);
 
 /* [any] If the state is neither running nor lost and input_peek returns false, the input has
  * ended. */

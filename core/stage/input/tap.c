@@ -42,13 +42,13 @@ void tap_destroy(tap *self)
     free(self);
 }
 
-void tap_listen(tap *self, uint32_t input)
+void tap_select(tap *self, uint32_t input)
 {
     uint64_t number = atomic_load(&self->request) >> 32;
     atomic_store(&self->request, request_of(number + 1, input));
 }
 
-bool tap_take(tap *self, mrt_sample *out)
+bool tap_pop(tap *self, mrt_sample *out)
 {
     tap_record record;
     uint64_t request = atomic_load(&self->request);
@@ -61,7 +61,7 @@ bool tap_take(tap *self, mrt_sample *out)
     return false;
 }
 
-void tap_offer(tap *self, uint32_t input, const mrt_sample *sample)
+void tap_push(tap *self, uint32_t input, const mrt_sample *sample)
 {
     uint64_t request = atomic_load_explicit(&self->request, memory_order_relaxed);
     if ((uint32_t)request != input || input == UINT32_MAX)

@@ -12,10 +12,10 @@ tap *tap_create(void);       /* [main] NULL: out of memory */
 void tap_destroy(tap *self); /* [main] accepts NULL */
 /* [main] Selects the input, beginning with its next sample; UINT32_MAX: none. Samples of the
  * previous input are discarded. */
-void tap_listen(tap *self, uint32_t input);
+void tap_select(tap *self, uint32_t input);
 /* [main] Removes the oldest sample. False: none now. */
-bool tap_take(tap *self, mrt_sample *out);
+bool tap_pop(tap *self, mrt_sample *out);
 /* [frame] */
-void tap_offer(tap *self, uint32_t input, const mrt_sample *sample);
+void tap_push(tap *self, uint32_t input, const mrt_sample *sample);
 
 #endif

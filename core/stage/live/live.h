@@ -51,7 +51,7 @@ bool live_is_busy(const live *self);
 
 /* Sets *out to the newest view, valid until the next call. Returns whether it is newer than the
  * last one. */
-bool live_look(live *self, const live_view **out);
+bool live_read_view(live *self, const live_view **out);
 
 /* ---- status and statistics ---- */
 
@@ -105,10 +105,10 @@ const char *live_input_text(const live *self, uint32_t index);
 /* Copies the newest sample of an input, for live bars. False: none yet. */
 bool live_input_sample(live *self, uint32_t index, mrt_sample *out);
 /* Buffers every sample of one input for a slower reader such as a calibration, for some seconds at
- * most. live_take_tapped returns the oldest buffered sample; false: none now. Another index
+ * most. live_pop_tapped returns the oldest buffered sample; false: none now. Another index
  * discards the buffer. An index without an input stops it. See tap.h. */
 void live_tap(live *self, uint32_t index);
-bool live_take_tapped(live *self, mrt_sample *out);
+bool live_pop_tapped(live *self, mrt_sample *out);
 /* Takes effect with the next sample. path NULL: default calibration. */
 CHECKED mrt_result live_calibrate(live *self, uint32_t side, const char *path, error *err);
 const char *live_calibration(const live *self, uint32_t side); /* path; NULL: default */
@@ -227,9 +227,9 @@ void live_step_frames(live *self, int64_t frames);
 
 /* Starts an overdub of the shown take. Copies the patterns of the plan. passes 0: until
  * live_record_end. The transport sets the speed, not the plan. */
-CHECKED mrt_result live_record_over(live *self, const overdub_plan *plan, error *err);
+CHECKED mrt_result live_overdub_start(live *self, const overdub_plan *plan, error *err);
 /* Call once after an overdub has ended. Returns the edits for [main] to apply to the take as one
  * undo step. False: no edits. */
-bool live_take_over(live *self, edit **out_edits, uint32_t *out_count, error *err);
+bool live_overdub_edits(live *self, edit **out_edits, uint32_t *out_count, error *err);
 
 #endif

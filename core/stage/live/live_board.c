@@ -248,7 +248,7 @@ bool live_board_is_taken(const live_board *self)
 
 bool live_board_look(live_board *self, const live_view **out)
 {
-    bool is_new = slot_take(&self->slot);
+    bool is_new = slot_receive(&self->slot);
     *out = &self->view[slot_front(&self->slot)];
     if (is_new)
         atomic_store(&self->is_taken, true);

@@ -109,7 +109,7 @@ void live_scene_destroy(live_scene *scene)
         live_scene *before = scene->before;
         performer_destroy(scene->performer);
         live_board_destroy(&scene->board);
-        face_board_drop(scene->outgoing);
+        face_board_release(scene->outgoing);
         take_performance_finish(&scene->face);
         free(scene->path);
         free(scene);
@@ -250,7 +250,7 @@ mrt_result live_cast_change(live *self, live_command_run *run, live_change *c, e
 {
     mrt_result result = live_cast_prepare(self, c, err);
     if (result >= 0)
-        result = live_ask(self, run, c, err);
+        result = live_run_command(self, run, c, err);
     live_cast_dismiss(self, c);
     return result;
 }
@@ -260,7 +260,7 @@ static mrt_result begin_performance(live_stage *stage, void *data, error *err)
     return live_cast_begin(stage, data, err);
 }
 
-mrt_result live_cast_anew(live *self, error *err)
+mrt_result live_cast_restart(live *self, error *err)
 {
     live_change c = {0};
     return live_cast_change(self, begin_performance, &c, err);
@@ -287,7 +287,7 @@ static taught *fetch_taught(live *self)
 {
     error ignored = {""};
     taught *out = malloc(sizeof *out);
-    if (out && live_ask(self, save_taught, out, &ignored) >= 0 && out->size > 0)
+    if (out && live_run_command(self, save_taught, out, &ignored) >= 0 && out->size > 0)
         return out;
     free(out);
     return NULL;
@@ -326,7 +326,7 @@ mrt_result live_teach(live *self, const void *bytes, size_t size, error *err)
     if (result >= 0)
         result = live_cast_prepare(self, &c, err);
     const int64_t until_ns = clock_now_ns() + NS_PER_S; /* a crossfade takes LAYER_FADE_S */
-    while (result >= 0 && (result = live_ask(self, teach_now, &c, err)) == MRT_HOLD) {
+    while (result >= 0 && (result = live_run_command(self, teach_now, &c, err)) == MRT_HOLD) {
         if (clock_now_ns() >= until_ns)
             result = error_set(err, MRT_ERR_ARGUMENT, "the mapping is being changed: try again");
         else
@@ -338,7 +338,7 @@ mrt_result live_teach(live *self, const void *bytes, size_t size, error *err)
 
 static void recall_taught(live *self, live_mapping_role *role)
 {
-    taught_recall(self->show, &role->instance, self->settings.log);
+    taught_restore(self->show, &role->instance, self->settings.log);
     role->is_of_show = true;
 }
 
@@ -490,7 +490,7 @@ static void watch(live *self)
                                       .is_asked = true};
     mrt_result result = role->library ? reload_start(&role->reload, &settings, &err) : MRT_OK;
     if (result >= 0)
-        result = live_ask(self, watch_role, role->reload, &err);
+        result = live_run_command(self, watch_role, role->reload, &err);
     if (result < 0)
         log_push(self->settings.log, MRT_LOG_WARNING, "stage", err.text);
 }
@@ -638,7 +638,7 @@ mrt_result live_cast_set_scene(live *self, const face_file *file, const char *pa
         return result;
     }
     publish_first(scene);
-    result = live_ask(self, switch_scene, &c, err);
+    result = live_run_command(self, switch_scene, &c, err);
     live_scene *old_scene = self->scene;
     live_mapping_role *old_role = self->role;
     self->scene = scene;

@@ -32,7 +32,7 @@ static void put_beats(const live_stage *stage, bool is_recorded, sound_motion *o
     out->bar = click->bar;
 }
 
-void live_time_tell_sound(live_stage *stage, int64_t now_ns)
+void live_time_update_sound(live_stage *stage, int64_t now_ns)
 {
     if (!stage->sound)
         return;
@@ -60,7 +60,7 @@ int64_t live_time_shown_at(const transport *motion, int64_t at_ns)
 /* Longest sleep of [main] before it checks again whether the frame thread has finished. */
 static const int64_t patience_ns = 50 * NS_PER_MS;
 
-mrt_result live_ask(live *self, live_command_run *run, void *data, error *err)
+mrt_result live_run_command(live *self, live_command_run *run, void *data, error *err)
 {
     live_command command = {.run = run, .data = data, .err = err};
     if (!self->has_thread)
@@ -261,7 +261,7 @@ static performer *live_time_shown(live_stage *stage, int64_t now_ns)
 {
     if (stage->mode == LIVE_PERFORMS || !stage->timeline)
         return stage->scene->performer;
-    live_time_tell_sound(stage, now_ns);
+    live_time_update_sound(stage, now_ns);
     if (stage->mode == LIVE_OVERDUBS)
         return shown_over(stage, now_ns);
     if (!live_time_may_show(stage, now_ns))
@@ -314,7 +314,7 @@ static mrt_result record_step(void *data, stage_frame *f, error *err)
         if (of->input == 0)
             stage->pointed = of->sample;
         else
-            tap_offer(self->tap, of->input - 1, &of->sample);
+            tap_push(self->tap, of->input - 1, &of->sample);
         hear(stage->heard[of->input], &of->sample);
     }
     stage->is_dirty = true;
@@ -349,7 +349,7 @@ static void on_incident(void *data, const input *from, const input_incident *wha
     for (uint32_t i = 0; stage->recorder && i < stage->input_count; ++i)
         if (player_input(stage->loop, i) == from)
             recorder_incident(stage->recorder, i, what);
-    if (what->kind == INPUT_WENT)
+    if (what->kind == INPUT_WAS_LOST)
         log_pushf(stage->log, MRT_LOG_WARNING, input_name(from),
                   "%s. The face keeps its last pose.",
                   what->text[0] ? what->text : "the device was disconnected");
@@ -589,7 +589,7 @@ void live_frame_pulse(live_stage *stage)
     if (!stage->timeline || live_time_is_here(stage))
         now->kept_bytes = stage->timeline ? sequencer_kept_bytes(stage->timeline->sequencer) : 0;
     now->take = stage->recorder ? recorder_take(stage->recorder) : 0;
-    now->code = stage->recorder ? recorder_code_heard(stage->recorder) : (recorder_code){0};
+    now->code = stage->recorder ? recorder_latest_code(stage->recorder) : (recorder_code){0};
     stage->pulse[slot_back(&stage->pulse_slot)] = *now;
     slot_publish(&stage->pulse_slot);
 }
@@ -605,7 +605,7 @@ static mrt_result on_draw(void *data, int64_t time_ns, error *err)
     (void)time_ns, (void)err;
     live *self = data;
     live_stage *stage = &self->stage;
-    stage->is_dirty |= outputs_ask_again(stage->outputs);
+    stage->is_dirty |= outputs_pop_request(stage->outputs);
     if (stage->is_dirty || is_moving(stage))
         live_frame_publish(stage);
     live_time_send(stage, clock_now_ns());
@@ -620,7 +620,7 @@ static bool on_between(void *data)
     live *self = data;
     live_stage *stage = &self->stage;
     run_command(self);
-    if (slot_take(&stage->motion_slot))
+    if (slot_receive(&stage->motion_slot))
         stage->has_pending_seek = stage->is_dirty = true;
     /* A face that [main] has not read is also replaced (after least_apart_ns), so that [main]
      * always reads a new one. */

@@ -16,7 +16,7 @@ static const char *const side_name[2] = {"left", "right"};
 
 static void give(live *self, feed_activity activity)
 {
-    feed_give(self->pointer_feed, self->pointed, activity);
+    feed_push(self->pointer_feed, self->pointed, activity);
 }
 
 static void point(live *self, pointer_grip grip)
@@ -106,10 +106,10 @@ static mrt_result await_pointer(const live_stage *stage, const pulled *p)
 static mrt_result run_pulled(live *self, live_command_run *run, pulled *p, error *err)
 {
     const int64_t until_ns = clock_now_ns() + NS_PER_S / 2;
-    mrt_result result = live_ask(self, run, p, err);
+    mrt_result result = live_run_command(self, run, p, err);
     while (result == MRT_HOLD && clock_now_ns() < until_ns) {
         clock_sleep_until_ns(clock_now_ns() + NS_PER_MS);
-        result = live_ask(self, run, p, err);
+        result = live_run_command(self, run, p, err);
     }
     return result == MRT_HOLD ? error_set(err, MRT_ERR_ARGUMENT, "the stage is busy: try again")
                               : result;
@@ -203,7 +203,7 @@ static mrt_result join_input(live *self, live_input_entry *entry, error *err)
     if (result >= 0)
         result = input_start(entry->input, err);
     if (result >= 0)
-        result = live_ask(self, add_input, &c, err);
+        result = live_run_command(self, add_input, &c, err);
     live_cast_dismiss(self, &c);
     return result;
 }
@@ -252,7 +252,7 @@ mrt_result live_remove_input(live *self, uint32_t index, error *err)
         self->entry_count += 1;
         return result;
     }
-    result = live_ask(self, remove_input, &c, err);
+    result = live_run_command(self, remove_input, &c, err);
     live_cast_dismiss(self, &c);
     finish_entry(&gone);
     return result;
@@ -278,19 +278,19 @@ bool live_input_sample(live *self, uint32_t index, mrt_sample *out)
     if (index >= self->entry_count)
         return false;
     live_sample_board *board = self->entry[index].heard;
-    (void)slot_take(&board->slot);
+    (void)slot_receive(&board->slot);
     *out = board->sample[slot_front(&board->slot)];
     return out->count > 0;
 }
 
 void live_tap(live *self, uint32_t index)
 {
-    tap_listen(self->tap, index < self->entry_count ? index : UINT32_MAX);
+    tap_select(self->tap, index < self->entry_count ? index : UINT32_MAX);
 }
 
-bool live_take_tapped(live *self, mrt_sample *out)
+bool live_pop_tapped(live *self, mrt_sample *out)
 {
-    return tap_take(self->tap, out);
+    return tap_pop(self->tap, out);
 }
 
 /* ---- calibration of hands ---- */
@@ -365,7 +365,7 @@ mrt_result live_calibrate(live *self, uint32_t side, const char *path, error *er
     if (result >= 0)
         result = live_cast_prepare(self, &c, err);
     if (result >= 0)
-        result = live_ask(self, recalibrate, &c, err);
+        result = live_run_command(self, recalibrate, &c, err);
     else
         use_calibration(self, side, &m);
     live_cast_dismiss(self, &c);
@@ -399,7 +399,7 @@ static mrt_result rezero(live_stage *stage, void *data, error *err)
 void live_rezero(live *self)
 {
     error ignored = {""};
-    (void)!live_ask(self, rezero, NULL, &ignored);
+    (void)!live_run_command(self, rezero, NULL, &ignored);
 }
 
 static mrt_result change_pedal(live_stage *stage, void *data, error *err)

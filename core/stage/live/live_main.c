@@ -86,7 +86,7 @@ outputs *live_outputs(live *self)
 
 /* ---- newest view ---- */
 
-bool live_look(live *self, const live_view **out)
+bool live_read_view(live *self, const live_view **out)
 {
     bool is_new = live_board_look(&self->scene->board, out);
     live_scene_destroy(self->old_scene);
@@ -146,7 +146,7 @@ void live_status_of(live *self, live_status *out)
 {
     live_stage *stage = &self->stage;
     live_status *status = &self->status;
-    (void)slot_take(&stage->pulse_slot);
+    (void)slot_receive(&stage->pulse_slot);
     const live_pulse *pulse = &stage->pulse[slot_front(&stage->pulse_slot)];
     live_record_update(self);
     status->sample_count = pulse->sample_count;
@@ -167,8 +167,8 @@ void live_status_of(live *self, live_status *out)
     status->reload_refused = reloads.refused;
     status->is_sound_armed = self->wants_sound;
     if (self->sound) {
-        sound_play_look(self->sound, &status->playing);
-        sound_in_look(self->sound, &status->listening);
+        sound_play_read_status(self->sound, &status->playing);
+        sound_in_read_status(self->sound, &status->listening);
     }
     *out = *status;
 }
@@ -234,7 +234,7 @@ mrt_result live_set_show(live *self, show *s, error *err)
 
 void live_update(live *self)
 {
-    (void)slot_take(&self->stage.pulse_slot);
+    (void)slot_receive(&self->stage.pulse_slot);
     live_over_update(self);
     live_cast_update(self);
     live_inputs_update(self);

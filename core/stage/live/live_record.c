@@ -28,7 +28,7 @@ mrt_result live_sound_need(live *self, error *err)
     const sound_settings settings = {
         .show = self->show, .log = self->settings.log, .backend = self->settings.sound};
     mrt_result result = sound_create(&self->sound, &settings, err);
-    return result < 0 ? result : live_ask(self, hand_over, self->sound, err);
+    return result < 0 ? result : live_run_command(self, hand_over, self->sound, err);
 }
 
 void live_sound_drop(live *self)
@@ -36,7 +36,7 @@ void live_sound_drop(live *self)
     error ignored = {""};
     if (!self->sound)
         return;
-    (void)!live_ask(self, hand_over, NULL, &ignored);
+    (void)!live_run_command(self, hand_over, NULL, &ignored);
     sound_destroy(self->sound);
     self->sound = NULL;
     self->wants_sound = false;
@@ -49,7 +49,7 @@ static mrt_result apply_click(live_stage *stage, void *data, error *err)
 {
     (void)err;
     stage->click = *(const live_click *)data;
-    live_time_tell_sound(stage, clock_now_ns());
+    live_time_update_sound(stage, clock_now_ns());
     return MRT_OK;
 }
 
@@ -68,7 +68,7 @@ mrt_result live_set_click(live *self, const live_click *click, error *err)
         result = live_sound_need(self, err);
     if (result >= 0 && click->when != LIVE_CLICK_OFF && self->sound)
         sound_want_beats(self->sound);
-    return result < 0 ? result : live_ask(self, apply_click, &self->click, err);
+    return result < 0 ? result : live_run_command(self, apply_click, &self->click, err);
 }
 
 mrt_result live_arm_sound(live *self, uint32_t channel_count, error *err)
@@ -101,7 +101,7 @@ static void attach(live *self)
     error err = {""};
     int64_t take_id = self->attach_take;
     self->attach_take = 0;
-    sound_in_look(self->sound, &status);
+    sound_in_read_status(self->sound, &status);
     if (status.record.audio == 0)
         return; /* no sound was recorded: the status has the reason */
     mrt_result result = writer_flush(recorder_writer(self->recorder), &err);
@@ -181,7 +181,7 @@ static mrt_result detach_recorder(live_stage *stage, void *data, error *err)
 {
     (void)data, (void)err;
     if (stage->recorder)
-        recorder_leave(stage->recorder);
+        recorder_unwatch(stage->recorder);
     stage->recorder = NULL;
     return MRT_OK;
 }
@@ -204,7 +204,7 @@ mrt_result live_record_start(live *self, error *err)
         return result;
     }
     self->session_ns = clock_now_ns();
-    return live_ask(self, attach_recorder, self->recorder, err);
+    return live_run_command(self, attach_recorder, self->recorder, err);
 }
 
 mrt_result live_record_stop(live *self, error *err)
@@ -217,7 +217,7 @@ mrt_result live_record_stop(live *self, error *err)
         result = live_record_end(self, err);
     live_sound_stop(self);
     live_cast_keep_taught(self);
-    (void)!live_ask(self, detach_recorder, NULL, &ignored);
+    (void)!live_run_command(self, detach_recorder, NULL, &ignored);
     mrt_result stopped = recorder_stop(self->recorder, result < 0 ? &ignored : err);
     self->recorder = NULL;
     return result < 0 ? result : stopped;
@@ -251,7 +251,7 @@ static mrt_result begin_take(live_stage *stage, void *data, error *err)
     if (!stage->count_ns || stage->count_ns > t->time_ns || result < 0)
         stage->count_ns = result < 0 ? 0 : t->time_ns;
     t->time_ns = stage->count_ns;
-    live_time_tell_sound(stage, clock_now_ns());
+    live_time_update_sound(stage, clock_now_ns());
     live_frame_pulse(stage);
     return result;
 }
@@ -260,14 +260,14 @@ static mrt_result count_in(live_stage *stage, void *data, error *err)
 {
     (void)err;
     stage->count_ns = *(const int64_t *)data;
-    live_time_tell_sound(stage, clock_now_ns());
+    live_time_update_sound(stage, clock_now_ns());
     return MRT_OK;
 }
 
 void live_count_in(live *self, int64_t begin_ns)
 {
     error ignored = {""};
-    (void)!live_ask(self, count_in, &begin_ns, &ignored);
+    (void)!live_run_command(self, count_in, &begin_ns, &ignored);
 }
 
 mrt_result live_record(live *self, const writer_slate *slate, error *err)
@@ -277,7 +277,7 @@ mrt_result live_record(live *self, const writer_slate *slate, error *err)
     if (result >= 0)
         result = live_check_free(self, "a take", err);
     if (result >= 0)
-        result = live_ask(self, begin_take, &t, err);
+        result = live_run_command(self, begin_take, &t, err);
     if (result < 0)
         return result;
     self->status.is_recording = true;
@@ -300,7 +300,7 @@ static mrt_result end_take(live_stage *stage, void *data, error *err)
         result = recorder_take_end(stage->recorder, err);
     t->take = recorder_take(stage->recorder);
     stage->count_ns = 0;
-    live_time_tell_sound(stage, clock_now_ns());
+    live_time_update_sound(stage, clock_now_ns());
     live_frame_pulse(stage);
     return result;
 }
@@ -310,7 +310,7 @@ mrt_result live_record_end(live *self, error *err)
     taking t = {0};
     if (!self->status.is_recording)
         return error_set(err, MRT_ERR_ARGUMENT, "start a recording first");
-    mrt_result result = live_ask(self, end_take, &t, err);
+    mrt_result result = live_run_command(self, end_take, &t, err);
     self->status.is_recording = false;
     self->take_ended_ns = t.time_ns;
     if (self->is_over) {
@@ -338,7 +338,7 @@ mrt_result live_keep(live *self, int64_t from_ns, int64_t to_ns, const writer_sl
     *out_take = 0;
     mrt_result result = check_recorder(self, err);
     if (result >= 0)
-        result = live_ask(self, keep, &t, err);
+        result = live_run_command(self, keep, &t, err);
     *out_take = t.take;
     return result;
 }
@@ -353,7 +353,7 @@ mrt_result live_mark(live *self, const char *text, error *err)
 {
     taking t = {.text = text};
     mrt_result result = check_recorder(self, err);
-    return result < 0 ? result : live_ask(self, mark, &t, err);
+    return result < 0 ? result : live_run_command(self, mark, &t, err);
 }
 
 /* ---- status ---- */

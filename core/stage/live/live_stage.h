@@ -270,7 +270,7 @@ struct live {
 
 /* Runs a command on the frame thread and waits for its result. Runs it directly while the thread
  * does not exist. */
-CHECKED mrt_result live_ask(live *self, live_command_run *run, void *data, error *err);
+CHECKED mrt_result live_run_command(live *self, live_command_run *run, void *data, error *err);
 /* live_frame_start creates the player, live_frame_run its thread. */
 CHECKED mrt_result live_frame_start(live *self, error *err);
 CHECKED mrt_result live_frame_run(live *self, error *err);
@@ -288,7 +288,7 @@ live_timeline_state live_timeline_move(live_timeline *self, live_timeline_event 
 /* [frame] Ends the overdub. */
 void live_time_end_over(live_stage *stage, int64_t now_ns, error *err);
 /* [frame] Sends the current motion of the timeline to the sound. Call it after each change. */
-void live_time_tell_sound(live_stage *stage, int64_t now_ns);
+void live_time_update_sound(live_stage *stage, int64_t now_ns);
 /* Returns the instant that is shown at a position. At its end a take shows its last instant, not
  * the neutral face after it. */
 int64_t live_time_shown_at(const transport *motion, int64_t at_ns);
@@ -327,7 +327,7 @@ void live_cast_dismiss(live *self, live_change *c);
 /* Does all three. The data of `run` is a struct whose first member is the live_change. */
 CHECKED mrt_result live_cast_change(live *self, live_command_run *run, live_change *c, error *err);
 /* Begins a new performance with the current cast. */
-CHECKED mrt_result live_cast_anew(live *self, error *err);
+CHECKED mrt_result live_cast_restart(live *self, error *err);
 
 /* ---- live_inputs.c: the pointer, inputs, hands ---- */
 

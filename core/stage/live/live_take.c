@@ -202,7 +202,7 @@ static void live_take_hold(live *self)
 {
     error ignored = {""};
     live_timeline_event event = LIVE_TIMELINE_HOLD;
-    (void)!live_ask(self, move_timeline, &event, &ignored);
+    (void)!live_run_command(self, move_timeline, &event, &ignored);
     while (atomic_load(&self->timeline->state) != LIVE_TIMELINE_HELD)
         clock_sleep_until_ns(clock_now_ns() + NS_PER_MS);
 }
@@ -211,7 +211,7 @@ static void live_take_release(live *self)
 {
     error ignored = {""};
     live_timeline_event event = LIVE_TIMELINE_RELEASE;
-    (void)!live_ask(self, move_timeline, &event, &ignored);
+    (void)!live_run_command(self, move_timeline, &event, &ignored);
 }
 
 static mrt_result show_hands(live_stage *stage, void *data, error *err)
@@ -221,7 +221,7 @@ static mrt_result show_hands(live_stage *stage, void *data, error *err)
         fade_over(stage);
     stage->mode = LIVE_PERFORMS;
     stage->hold_until_ns = 0;
-    live_time_tell_sound(stage, clock_now_ns());
+    live_time_update_sound(stage, clock_now_ns());
     return MRT_OK;
 }
 
@@ -270,7 +270,7 @@ static mrt_result show_another(live *self, const take *t, error *err)
     add_note(self, s.timeline->sequencer);
     transport_init(&self->transport, t->duration_ns);
     transport_seek(&self->transport, clock_now_ns(), at_ns);
-    result = live_ask(self, put_timeline, &s, err);
+    result = live_run_command(self, put_timeline, &s, err);
     self->timeline = s.timeline;
     timeline_destroy(s.old);
     return result;
@@ -288,7 +288,7 @@ static mrt_result show_again(live *self, const take *t, error *err)
     mrt_result result = sequencer_set_take(self->timeline->sequencer, t, err);
     add_note(self, self->timeline->sequencer);
     if (result >= 0)
-        return live_ask(self, change_take, &s, err);
+        return live_run_command(self, change_take, &s, err);
     live_take_release(self);
     return result;
 }
@@ -330,7 +330,7 @@ void live_show_hands(live *self)
     live_pause(self);
     remember_position(self);
     self->is_shown = false;
-    (void)!live_ask(self, show_hands, NULL, &ignored);
+    (void)!live_run_command(self, show_hands, NULL, &ignored);
 }
 
 void live_take_drop(live *self)
@@ -338,7 +338,7 @@ void live_take_drop(live *self)
     error ignored = {""};
     showing s = {0};
     live_show_hands(self);
-    (void)!live_ask(self, drop_timeline, &s, &ignored);
+    (void)!live_run_command(self, drop_timeline, &s, &ignored);
     self->timeline = NULL;
     timeline_destroy(s.old);
     take_finish(&self->shown);
@@ -471,7 +471,7 @@ static void live_over_forget(live *self)
 {
     error ignored = {""};
     beginning b = {0};
-    (void)!live_ask(self, fetch_over, &b, &ignored);
+    (void)!live_run_command(self, fetch_over, &b, &ignored);
     if (b.run)
         free(b.run->plan.own);
     free(b.run);
@@ -520,7 +520,7 @@ static mrt_result stand_at_start(live *self, const beginning *b, error *err)
     return result < 0 ? result : sequencer_prepare(s, b->run->start_ns, to_ns, err);
 }
 
-mrt_result live_record_over(live *self, const overdub_plan *over, error *err)
+mrt_result live_overdub_start(live *self, const overdub_plan *over, error *err)
 {
     overdub_plan plan;
     beginning b = {0};
@@ -542,7 +542,7 @@ mrt_result live_record_over(live *self, const overdub_plan *over, error *err)
         live_take_hold(self);
         result = stand_at_start(self, &b, err);
         if (result >= 0)
-            result = live_ask(self, begin_over, &b, err);
+            result = live_run_command(self, begin_over, &b, err);
         else
             live_take_release(self);
     }
@@ -563,14 +563,14 @@ mrt_result live_record_over(live *self, const overdub_plan *over, error *err)
 static void after_over(live *self)
 {
     error err = {""};
-    if (live_cast_anew(self, &err) < 0)
+    if (live_cast_restart(self, &err) < 0)
         log_push(self->settings.log, MRT_LOG_ERROR, "recorder", err.text);
     const live_view *seen = &self->scene->board.view[slot_front(&self->scene->board.slot)];
     transport_seek(&self->transport, clock_now_ns(), seen->at_ns);
     live_take_tell_transport(self);
 }
 
-bool live_take_over(live *self, edit **out_edits, uint32_t *out_count, error *err)
+bool live_overdub_edits(live *self, edit **out_edits, uint32_t *out_count, error *err)
 {
     beginning b = {0};
     overdub_made made;
@@ -586,7 +586,7 @@ bool live_take_over(live *self, edit **out_edits, uint32_t *out_count, error *er
         return false;
     }
     after_over(self);
-    mrt_result result = live_ask(self, fetch_over, &b, err);
+    mrt_result result = live_run_command(self, fetch_over, &b, err);
     if (result >= 0)
         result = writer_flush(recorder_writer(self->recorder), err);
     const instance *mapping = live_mapping(self);

@@ -40,24 +40,24 @@ static uint32_t vectors_to_keep(const mrt_pull *pull)
     return count;
 }
 
-void answers_put_pull(bytes_out *out, const mrt_pull *pull)
+void answers_write_pull(bytes_out *out, const mrt_pull *pull)
 {
     uint32_t count = vectors_to_keep(pull);
-    bytes_put(out, pull, offsetof(mrt_pull, vector));
-    bytes_put_u32(out, count);
-    bytes_put(out, pull->vector, count * sizeof *pull->vector);
-    bytes_put(out, pull->dof, sizeof pull->dof);
+    bytes_write(out, pull, offsetof(mrt_pull, vector));
+    bytes_write_u32(out, count);
+    bytes_write(out, pull->vector, count * sizeof *pull->vector);
+    bytes_write(out, pull->dof, sizeof pull->dof);
 }
 
-uint32_t answers_take_pull(bytes_in *in, mrt_pull *out)
+uint32_t answers_read_pull(bytes_in *in, mrt_pull *out)
 {
-    bytes_take(in, out, offsetof(mrt_pull, vector));
-    uint32_t count = bytes_take_u32(in);
+    bytes_read(in, out, offsetof(mrt_pull, vector));
+    uint32_t count = bytes_read_u32(in);
     if (count > MRT_MAX_VECTORS)
         in->failed = true;
     else
-        bytes_take(in, out->vector, count * sizeof *out->vector);
-    bytes_take(in, out->dof, sizeof out->dof);
+        bytes_read(in, out->vector, count * sizeof *out->vector);
+    bytes_read(in, out->dof, sizeof out->dof);
     return count;
 }
 
@@ -70,7 +70,7 @@ void answers_add(answers *self, int64_t time_ns, mrt_result result, const mrt_pu
     bytes_out out = {self->bytes, self->bytes_capacity, self->size};
     self->of[self->count++] = (answers_step){
         .time_ns = time_ns, .at = self->size, .result = result, .is_taught = self->is_taught};
-    answers_put_pull(&out, pull);
+    answers_write_pull(&out, pull);
     self->size = out.size;
 }
 
@@ -90,14 +90,14 @@ const answers_step *answers_find(answers *self, int64_t time_ns)
     return low < self->count && self->of[low].time_ns == time_ns ? &self->of[low] : NULL;
 }
 
-mrt_result answers_take(answers *self, int64_t time_ns, mrt_pull *pull)
+mrt_result answers_pop(answers *self, int64_t time_ns, mrt_pull *pull)
 {
     const answers_step *found = answers_find(self, time_ns);
     if (!found)
         return MRT_HOLD;
     bytes_in in = {self->bytes + found->at, self->bytes + self->size, false};
     *pull = (mrt_pull){0};
-    (void)answers_take_pull(&in, pull);
+    (void)answers_read_pull(&in, pull);
     self->next += 1;
     return found->result;
 }

@@ -8,9 +8,9 @@
 #include <marotte/plugin.h>
 
 /* Writes and reads a pull as bytes. The mapping sees the whole array, so vectors beyond `count` are
- * stored too, up to the last one that is not zero. answers_take_pull returns their number. */
-void answers_put_pull(bytes_out *out, const mrt_pull *pull);
-uint32_t answers_take_pull(bytes_in *in, mrt_pull *out);
+ * stored too, up to the last one that is not zero. answers_read_pull returns their number. */
+void answers_write_pull(bytes_out *out, const mrt_pull *pull);
+uint32_t answers_read_pull(bytes_in *in, mrt_pull *out);
 
 typedef struct answers_step {
     int64_t time_ns;
@@ -35,7 +35,7 @@ void answers_add(answers *self, int64_t time_ns, mrt_result result, const mrt_pu
 /* [frame] NULL: the answer for this time is missing. */
 const answers_step *answers_find(answers *self, int64_t time_ns);
 /* [frame] Reads the answer for this time, in time order. MRT_HOLD: it is missing. */
-mrt_result answers_take(answers *self, int64_t time_ns, mrt_pull *pull);
+mrt_result answers_pop(answers *self, int64_t time_ns, mrt_pull *pull);
 size_t answers_size(const answers *self); /* bytes in use */
 
 #endif

@@ -369,7 +369,7 @@ void instance_deactivate(instance *self)
     functions->deactivate(self->self);
 }
 
-bool instance_take_restart(instance *self)
+bool instance_pop_restart(instance *self)
 {
     return atomic_exchange(&self->restart_asked, false);
 }

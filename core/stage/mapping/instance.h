@@ -30,7 +30,7 @@ typedef struct instance {
     _Atomic uintptr_t listener; /* thread that captures the plugin's log; 0: none */
     error *heard;               /* of the listener: last error; or NULL */
     log_once *already_logged;   /* of the listener: texts that are not logged again; or NULL */
-    bool can_restart;           /* the caller uses instance_take_restart */
+    bool can_restart;           /* the caller uses instance_pop_restart */
     _Atomic bool restart_asked;
     pthread_mutex_t mutex; /* guards `stopping` during a wait */
     pthread_cond_t wake;
@@ -90,7 +90,7 @@ void instance_deactivate(instance *self);
 
 /* [thread that calls the plugin] Returns whether the plugin requested a restart since the last
  * call. */
-bool instance_take_restart(instance *self);
+bool instance_pop_restart(instance *self);
 
 /* [any] Ends the current wait of the plugin and all later ones immediately. A wait that returns
  * early tells the plugin that the host is stopping. */

@@ -138,7 +138,7 @@ static mrt_result explain_start(mrt_plugin *self, error *err)
     error how = {""};
     bool died = isolate_process_has_ended(&self->link, 0);
     (void)error_set(err, MRT_ERR_UNSUPPORTED, "its process did not answer");
-    bool has_words = isolate_process_why(&self->link, err);
+    bool has_words = isolate_process_last_error(&self->link, err);
     isolate_process_end(&self->link, &how);
     if (died && !has_words)
         *err = how;
@@ -172,7 +172,7 @@ static size_t write_mapped(mrt_plugin *self, const mrt_face *face)
 {
     isolate_block *block = self->link.block;
     size_t size =
-        isolate_mapped_put(block->bytes, ISOLATE_BYTES, face, self->poses, self->pose_count);
+        isolate_mapped_write(block->bytes, ISOLATE_BYTES, face, self->poses, self->pose_count);
     block->size = size < ISOLATE_BYTES ? (uint32_t)size : 0;
     return size;
 }
@@ -302,7 +302,7 @@ static void supervise(mrt_plugin *self)
         if (poll(on, 2, -1) < 0 && errno != EINTR)
             return;
         if (on[1].revents) {
-            isolate_process_tell_dead(&self->link);
+            isolate_process_mark_dead(&self->link);
             is_marked_dead = true;
         }
         if (on[0].revents)
@@ -404,7 +404,7 @@ static mrt_result send_request(mrt_plugin *self, uint32_t kind, int64_t until_ns
     self->owed = kind;
     self->asked_cpu_ns = isolate_process_cpu_ns(&self->link);
     self->asked_ns = clock_now_ns();
-    isolate_process_ask(&self->link, kind);
+    isolate_process_send(&self->link, kind);
     mrt_result result = isolate_process_wait_until_ns(&self->link, until_ns);
     if (result == MRT_OK)
         self->owed = 0;
@@ -561,7 +561,7 @@ static void write_frame(mrt_plugin *self, const mrt_frame *frame, const mrt_pull
     block->frame = *frame;
     block->pull = *pull;
     memcpy(block->params, self->params, self->param_count * sizeof *block->params);
-    isolate_inputs_put(block, frame);
+    isolate_inputs_write(block, frame);
     bool is_due = !self->has_asked_resume || frame->time_ns < self->resume_asked_ns ||
                   frame->time_ns - self->resume_asked_ns >= resume_span_ns;
     block->with_resume = self->can_resume && is_due;
@@ -668,7 +668,7 @@ static const char *why_not_active(bool is_free, const mrt_face *face)
 {
     if (!is_free)
         return "its process does not answer: choose the mapping again";
-    if (isolate_face_put(NULL, 0, face) >= ISOLATE_BYTES)
+    if (isolate_face_write(NULL, 0, face) >= ISOLATE_BYTES)
         return "the face has too many contacts for an isolated mapping";
     return "the rig has too many poses for an isolated mapping";
 }

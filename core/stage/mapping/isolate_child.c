@@ -130,7 +130,7 @@ static mrt_result activate(child *self)
 {
     deactivate(self);
     isolate_mapped *mapped = &self->mapped;
-    mrt_result result = isolate_mapped_take(mapped, self->block->bytes, self->block->size);
+    mrt_result result = isolate_mapped_read(mapped, self->block->bytes, self->block->size);
     const mrt_face *face = &mapped->face.face;
     if (result >= 0 && self->rig_poses)
         self->rig_poses->set(self->self, face, mapped->pose, mapped->pose_count);
@@ -153,7 +153,7 @@ static mrt_result process(child *self)
         return MRT_ERR_ARGUMENT;
     mrt_channels inputs[MRT_MAX_INPUTS];
     block->frame.params = block->params;
-    isolate_inputs_take(block, inputs);
+    isolate_inputs_read(block, inputs);
     mrt_result result = self->mapping->process(self->self, &block->frame, &block->pull);
     if (block->with_resume && self->resume)
         block->size = save(self, self->resume->save);
@@ -174,7 +174,7 @@ static void forget_names(child *self)
 static mrt_result begin(child *self)
 {
     isolate_names old = self->names; /* the plugin uses them until it receives the new ones */
-    mrt_result result = isolate_names_take(&self->names, self->block->bytes, self->block->size);
+    mrt_result result = isolate_names_read(&self->names, self->block->bytes, self->block->size);
     float *value = result < 0
                        ? NULL
                        : calloc(isolate_sample_floats(&self->names.names, true) + 1, sizeof *value);
@@ -195,7 +195,7 @@ static mrt_result send_sample(child *self)
     if (!self->value)
         return MRT_ERR_ARGUMENT;
     mrt_result result =
-        isolate_sample_take(&sample, self->value, &self->names.names, block->bytes, block->size);
+        isolate_sample_read(&sample, self->value, &self->names.names, block->bytes, block->size);
     return result < 0 ? result : self->output->send(self->self, block->params, &sample);
 }
 

@@ -96,9 +96,9 @@ static mrt_result begin(mrt_plugin *self, const mrt_face_names *names)
     if (!self->link.block)
         return MRT_ERR_IO;
     isolate_block *block = self->link.block;
-    size_t size = isolate_names_put(block->bytes, ISOLATE_BYTES, names);
+    size_t size = isolate_names_write(block->bytes, ISOLATE_BYTES, names);
     isolate_names_finish(&self->names);
-    if (size > ISOLATE_BYTES || isolate_names_take(&self->names, block->bytes, size) < 0) {
+    if (size > ISOLATE_BYTES || isolate_names_read(&self->names, block->bytes, size) < 0) {
         self->host->log(self->host, MRT_LOG_ERROR, "the face has too many names");
         return MRT_ERR_UNSUPPORTED;
     }
@@ -112,7 +112,7 @@ static mrt_result send(mrt_plugin *self, const double *params, const mrt_face_sa
         return MRT_ERR_IO;
     isolate_block *block = self->link.block;
     mrt_face_sample as = *sample;
-    size_t size = isolate_sample_put(block->bytes, ISOLATE_BYTES, &self->names.names, &as);
+    size_t size = isolate_sample_write(block->bytes, ISOLATE_BYTES, &self->names.names, &as);
     if (size > ISOLATE_BYTES) {
         if (!self->is_large_logged)
             self->host->log(self->host, MRT_LOG_WARNING,
@@ -120,7 +120,7 @@ static mrt_result send(mrt_plugin *self, const double *params, const mrt_face_sa
                             "sent");
         self->is_large_logged = true;
         as.vertices = NULL;
-        size = isolate_sample_put(block->bytes, ISOLATE_BYTES, &self->names.names, &as);
+        size = isolate_sample_write(block->bytes, ISOLATE_BYTES, &self->names.names, &as);
     }
     block->size = (uint32_t)size;
     write_params(self, params);

@@ -112,7 +112,7 @@ void isolate_process_finish(isolate_process *self)
     *self = (isolate_process){.pidfd = -1};
 }
 
-void isolate_process_tell_dead(isolate_process *self)
+void isolate_process_mark_dead(isolate_process *self)
 {
     atomic_store(&self->block->is_dead, 1);
     isolate_wake(&self->block->answered);
@@ -120,7 +120,7 @@ void isolate_process_tell_dead(isolate_process *self)
 
 /* ---- requests ---- */
 
-void isolate_process_ask(isolate_process *self, uint32_t kind)
+void isolate_process_send(isolate_process *self, uint32_t kind)
 {
     isolate_block *block = self->block;
     block->kind = kind;
@@ -162,11 +162,11 @@ mrt_result isolate_process_call(isolate_process *self, uint32_t kind, int64_t pa
 {
     int64_t until_ns = clock_now_ns() + patience_ns;
     mrt_result result = MRT_TIMEOUT;
-    isolate_process_ask(self, kind);
+    isolate_process_send(self, kind);
     while (result == MRT_TIMEOUT && clock_now_ns() < until_ns) {
         result = isolate_process_wait_until_ns(self, clock_now_ns() + slice_ns);
         if (result == MRT_TIMEOUT && isolate_process_has_ended(self, 0))
-            isolate_process_tell_dead(self);
+            isolate_process_mark_dead(self);
     }
     return result == MRT_OK ? self->block->result : MRT_ERR_IO;
 }
@@ -194,7 +194,7 @@ void isolate_process_drain(isolate_process *self, const mrt_host *to)
     }
 }
 
-bool isolate_process_why(const isolate_process *self, error *out)
+bool isolate_process_last_error(const isolate_process *self, error *out)
 {
     uint32_t count = atomic_load(&self->block->log_count);
     uint32_t kept = count < ISOLATE_LOGS ? count : ISOLATE_LOGS;

@@ -34,10 +34,10 @@ void isolate_process_end(isolate_process *self, error *out_how);
 /* [host] Call after isolate_process_end: frees the memory. */
 void isolate_process_finish(isolate_process *self);
 /* [host] Marks the process as ended, so that a thread that waits for its answer stops waiting. */
-void isolate_process_tell_dead(isolate_process *self);
+void isolate_process_mark_dead(isolate_process *self);
 
 /* [any one thread] Sends a request. The child owns the block until it has answered. */
-void isolate_process_ask(isolate_process *self, uint32_t kind);
+void isolate_process_send(isolate_process *self, uint32_t kind);
 /* Waits for the answer. MRT_OK: see block->result; MRT_ERR_IO: the process has ended. Spins for
  * some microseconds before it sleeps. */
 mrt_result isolate_process_wait_until_ns(isolate_process *self, int64_t time_ns);
@@ -52,6 +52,6 @@ int64_t isolate_process_cpu_ns(const isolate_process *self);
 /* Forwards the log lines since the last call. */
 void isolate_process_drain(isolate_process *self, const mrt_host *to);
 /* Copies the last error that the process logged. False: none, and `out` is unchanged. */
-bool isolate_process_why(const isolate_process *self, error *out);
+bool isolate_process_last_error(const isolate_process *self, error *out);
 
 #endif

@@ -49,7 +49,7 @@ static void copy_text(char *out, size_t capacity, const char *text)
     out[length] = '\0';
 }
 
-void isolate_inputs_put(isolate_block *block, const mrt_frame *frame)
+void isolate_inputs_write(isolate_block *block, const mrt_frame *frame)
 {
     for (uint32_t i = 0; i < frame->input_count && i < MRT_MAX_INPUTS; ++i) {
         const mrt_channels *from = &frame->inputs[i];
@@ -65,7 +65,7 @@ void isolate_inputs_put(isolate_block *block, const mrt_frame *frame)
     }
 }
 
-void isolate_inputs_take(isolate_block *block, mrt_channels out[MRT_MAX_INPUTS])
+void isolate_inputs_read(isolate_block *block, mrt_channels out[MRT_MAX_INPUTS])
 {
     for (uint32_t i = 0; i < block->frame.input_count && i < MRT_MAX_INPUTS; ++i) {
         isolate_input *from = &block->input[i];
@@ -88,36 +88,36 @@ static void write_name(bytes_out *out, const char *text)
     char name[ISOLATE_NAME] = "";
     size_t length = strlen(text);
     memcpy(name, text, length < sizeof name ? length : sizeof name - 1);
-    bytes_put(out, name, sizeof name);
+    bytes_write(out, name, sizeof name);
 }
 
-size_t isolate_face_put(void *bytes, size_t capacity, const mrt_face *face)
+size_t isolate_face_write(void *bytes, size_t capacity, const mrt_face *face)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
-    bytes_put_u32(&out, face->contact_count);
-    bytes_put_u32(&out, face->dof_count);
-    bytes_put(&out, &face->low, sizeof face->low);
-    bytes_put(&out, &face->high, sizeof face->high);
+    bytes_write_u32(&out, face->contact_count);
+    bytes_write_u32(&out, face->dof_count);
+    bytes_write(&out, &face->low, sizeof face->low);
+    bytes_write(&out, &face->high, sizeof face->high);
     for (uint32_t i = 0; i < face->contact_count; ++i) {
         const mrt_contact *c = &face->contacts[i];
         write_name(&out, c->name);
         write_name(&out, c->bone);
-        bytes_put(&out, &c->rest, sizeof c->rest);
-        bytes_put(&out, &c->normal, sizeof c->normal);
+        bytes_write(&out, &c->rest, sizeof c->rest);
+        bytes_write(&out, &c->normal, sizeof c->normal);
     }
     for (uint32_t i = 0; i < face->dof_count; ++i) {
         const mrt_dof *d = &face->dofs[i];
         write_name(&out, d->name);
         write_name(&out, d->unit);
-        bytes_put(&out, &d->min, sizeof d->min);
-        bytes_put(&out, &d->max, sizeof d->max);
+        bytes_write(&out, &d->min, sizeof d->min);
+        bytes_write(&out, &d->max, sizeof d->max);
     }
     return out.size;
 }
 
 static const char *read_name(bytes_in *in, char out[ISOLATE_NAME])
 {
-    bytes_take(in, out, ISOLATE_NAME);
+    bytes_read(in, out, ISOLATE_NAME);
     out[ISOLATE_NAME - 1] = '\0';
     return out;
 }
@@ -151,24 +151,24 @@ static mrt_result isolate_face_take(isolate_face *out, const void *bytes, size_t
 {
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
     *out = (isolate_face){0};
-    uint32_t contact_count = bytes_take_u32(&in), dof_count = bytes_take_u32(&in);
-    bytes_take(&in, &out->face.low, sizeof out->face.low);
-    bytes_take(&in, &out->face.high, sizeof out->face.high);
+    uint32_t contact_count = bytes_read_u32(&in), dof_count = bytes_read_u32(&in);
+    bytes_read(&in, &out->face.low, sizeof out->face.low);
+    bytes_read(&in, &out->face.high, sizeof out->face.high);
     mrt_result result = make_room(out, contact_count, dof_count);
     char(*name)[ISOLATE_NAME] = out->name;
     for (uint32_t i = 0; i < contact_count && result >= 0; ++i) {
         mrt_contact *c = &out->contact[i];
         c->name = read_name(&in, *name++);
         c->bone = read_name(&in, *name++);
-        bytes_take(&in, &c->rest, sizeof c->rest);
-        bytes_take(&in, &c->normal, sizeof c->normal);
+        bytes_read(&in, &c->rest, sizeof c->rest);
+        bytes_read(&in, &c->normal, sizeof c->normal);
     }
     for (uint32_t i = 0; i < dof_count && result >= 0; ++i) {
         mrt_dof *d = &out->dof[i];
         d->name = read_name(&in, *name++);
         d->unit = read_name(&in, *name++);
-        bytes_take(&in, &d->min, sizeof d->min);
-        bytes_take(&in, &d->max, sizeof d->max);
+        bytes_read(&in, &d->min, sizeof d->min);
+        bytes_read(&in, &d->max, sizeof d->max);
     }
     if (result >= 0 && (in.failed || in.at != in.end))
         result = MRT_ERR_FORMAT;
@@ -185,21 +185,21 @@ static size_t pose_bytes(uint32_t contact_count, uint32_t dof_count)
            (size_t)dof_count * sizeof(float);
 }
 
-size_t isolate_mapped_put(void *bytes, size_t capacity, const mrt_face *face,
-                          const mrt_rig_pose *poses, uint32_t pose_count)
+size_t isolate_mapped_write(void *bytes, size_t capacity, const mrt_face *face,
+                            const mrt_rig_pose *poses, uint32_t pose_count)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
-    bytes_put_u32(&out, pose_count);
-    bytes_put_u32(&out, face->contact_count);
-    bytes_put_u32(&out, face->dof_count);
+    bytes_write_u32(&out, pose_count);
+    bytes_write_u32(&out, face->contact_count);
+    bytes_write_u32(&out, face->dof_count);
     for (uint32_t i = 0; i < pose_count; ++i) {
-        bytes_put_u32(&out, poses[i].part);
+        bytes_write_u32(&out, poses[i].part);
         write_name(&out, poses[i].name);
-        bytes_put(&out, poses[i].pulls, (size_t)face->contact_count * sizeof *poses[i].pulls);
-        bytes_put(&out, poses[i].dofs, (size_t)face->dof_count * sizeof *poses[i].dofs);
+        bytes_write(&out, poses[i].pulls, (size_t)face->contact_count * sizeof *poses[i].pulls);
+        bytes_write(&out, poses[i].dofs, (size_t)face->dof_count * sizeof *poses[i].dofs);
     }
     void *rest = bytes && out.size < capacity ? (unsigned char *)bytes + out.size : NULL;
-    return out.size + isolate_face_put(rest, rest ? capacity - out.size : 0, face);
+    return out.size + isolate_face_write(rest, rest ? capacity - out.size : 0, face);
 }
 
 /* Allocates memory for the poses. Refuses counts that need more than `left` bytes. */
@@ -217,21 +217,21 @@ static mrt_result make_poses(isolate_mapped *out, uint32_t contact_count, uint32
     return out->pose && out->pull && out->dof && out->name ? MRT_OK : MRT_ERR_MEMORY;
 }
 
-mrt_result isolate_mapped_take(isolate_mapped *out, const void *bytes, size_t size)
+mrt_result isolate_mapped_read(isolate_mapped *out, const void *bytes, size_t size)
 {
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
-    *out = (isolate_mapped){.pose_count = bytes_take_u32(&in)};
-    const uint32_t contact_count = bytes_take_u32(&in), dof_count = bytes_take_u32(&in);
+    *out = (isolate_mapped){.pose_count = bytes_read_u32(&in)};
+    const uint32_t contact_count = bytes_read_u32(&in), dof_count = bytes_read_u32(&in);
     mrt_result result = in.failed
                             ? MRT_ERR_FORMAT
                             : make_poses(out, contact_count, dof_count, (size_t)(in.end - in.at));
     for (uint32_t i = 0; i < out->pose_count && result >= 0; ++i) {
         mrt_vec3 *pulls = out->pull + (size_t)i * contact_count;
         float *dofs = out->dof + (size_t)i * dof_count;
-        const uint32_t part = bytes_take_u32(&in);
+        const uint32_t part = bytes_read_u32(&in);
         out->pose[i] = (mrt_rig_pose){read_name(&in, out->name[i]), pulls, dofs, part};
-        bytes_take(&in, pulls, contact_count * sizeof *pulls);
-        bytes_take(&in, dofs, dof_count * sizeof *dofs);
+        bytes_read(&in, pulls, contact_count * sizeof *pulls);
+        bytes_read(&in, dofs, dof_count * sizeof *dofs);
         if (part > MRT_POSE_UPPER)
             result = MRT_ERR_FORMAT;
     }
@@ -262,24 +262,24 @@ static uint32_t name_count(const mrt_face_names *n)
     return n->bone_count + n->shape_count + n->weight_count;
 }
 
-size_t isolate_names_put(void *bytes, size_t capacity, const mrt_face_names *names)
+size_t isolate_names_write(void *bytes, size_t capacity, const mrt_face_names *names)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
-    bytes_put_u32(&out, names->bone_count);
-    bytes_put_u32(&out, names->shape_count);
-    bytes_put_u32(&out, names->weight_count);
-    bytes_put_u32(&out, names->vertex_count);
+    bytes_write_u32(&out, names->bone_count);
+    bytes_write_u32(&out, names->shape_count);
+    bytes_write_u32(&out, names->weight_count);
+    bytes_write_u32(&out, names->vertex_count);
     for (uint32_t i = 0; i < names->bone_count; ++i) {
         write_name(&out, names->bones[i]);
-        bytes_put(&out, &names->parents[i], sizeof names->parents[i]);
-        bytes_put(&out, &names->pivots[i], sizeof names->pivots[i]);
+        bytes_write(&out, &names->parents[i], sizeof names->parents[i]);
+        bytes_write(&out, &names->pivots[i], sizeof names->pivots[i]);
     }
     for (uint32_t i = 0; i < names->shape_count; ++i)
         write_name(&out, names->shapes[i]);
     for (uint32_t i = 0; i < names->weight_count; ++i)
         write_name(&out, names->weights[i]);
     void *rest = bytes && out.size < capacity ? (unsigned char *)bytes + out.size : NULL;
-    return out.size + isolate_face_put(rest, rest ? capacity - out.size : 0, names->face);
+    return out.size + isolate_face_write(rest, rest ? capacity - out.size : 0, names->face);
 }
 
 static mrt_result make_names(isolate_names *out)
@@ -295,22 +295,22 @@ static mrt_result make_names(isolate_names *out)
     return out->text && out->name && out->parent && out->pivot ? MRT_OK : MRT_ERR_MEMORY;
 }
 
-mrt_result isolate_names_take(isolate_names *out, const void *bytes, size_t size)
+mrt_result isolate_names_read(isolate_names *out, const void *bytes, size_t size)
 {
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
     *out = (isolate_names){0};
     mrt_face_names *n = &out->names;
-    n->bone_count = bytes_take_u32(&in);
-    n->shape_count = bytes_take_u32(&in);
-    n->weight_count = bytes_take_u32(&in);
-    n->vertex_count = bytes_take_u32(&in);
+    n->bone_count = bytes_read_u32(&in);
+    n->shape_count = bytes_read_u32(&in);
+    n->weight_count = bytes_read_u32(&in);
+    n->vertex_count = bytes_read_u32(&in);
     mrt_result result = make_names(out);
     for (uint32_t i = 0; result >= 0 && i < name_count(n); ++i) {
         out->text[i] = read_name(&in, out->name[i]);
         if (i >= n->bone_count)
             continue;
-        bytes_take(&in, &out->parent[i], sizeof out->parent[i]);
-        bytes_take(&in, &out->pivot[i], sizeof out->pivot[i]);
+        bytes_read(&in, &out->parent[i], sizeof out->parent[i]);
+        bytes_read(&in, &out->pivot[i], sizeof out->pivot[i]);
         if (out->parent[i] < -1 || out->parent[i] >= (int32_t)n->bone_count)
             result = MRT_ERR_FORMAT;
     }
@@ -364,30 +364,30 @@ void isolate_sample_at(mrt_face_sample *sample, const mrt_face_names *names, con
     sample->vertices = has_vertices ? (const mrt_vec3 *)(const void *)value : NULL;
 }
 
-size_t isolate_sample_put(void *bytes, size_t capacity, const mrt_face_names *names,
-                          const mrt_face_sample *sample)
+size_t isolate_sample_write(void *bytes, size_t capacity, const mrt_face_names *names,
+                            const mrt_face_sample *sample)
 {
     bytes_out out = {.data = bytes, .capacity = capacity};
     size_t floats = isolate_sample_floats(names, sample->vertices != NULL);
-    bytes_put(&out, &sample->time_ns, sizeof sample->time_ns);
-    bytes_put(&out, &sample->take_ns, sizeof sample->take_ns);
-    bytes_put(&out, &sample->number, sizeof sample->number);
-    bytes_put(&out, sample->bones, floats * sizeof(float));
+    bytes_write(&out, &sample->time_ns, sizeof sample->time_ns);
+    bytes_write(&out, &sample->take_ns, sizeof sample->take_ns);
+    bytes_write(&out, &sample->number, sizeof sample->number);
+    bytes_write(&out, sample->bones, floats * sizeof(float));
     return out.size;
 }
 
-mrt_result isolate_sample_take(mrt_face_sample *out, float *value, const mrt_face_names *names,
+mrt_result isolate_sample_read(mrt_face_sample *out, float *value, const mrt_face_names *names,
                                const void *bytes, size_t size)
 {
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
-    bytes_take(&in, &out->time_ns, sizeof out->time_ns);
-    bytes_take(&in, &out->take_ns, sizeof out->take_ns);
-    bytes_take(&in, &out->number, sizeof out->number);
+    bytes_read(&in, &out->time_ns, sizeof out->time_ns);
+    bytes_read(&in, &out->take_ns, sizeof out->take_ns);
+    bytes_read(&in, &out->number, sizeof out->number);
     size_t left = (size_t)(in.end - in.at);
     bool has_vertices = left != isolate_sample_floats(names, false) * sizeof *value;
     if (in.failed || left != isolate_sample_floats(names, has_vertices) * sizeof *value)
         return MRT_ERR_FORMAT;
-    bytes_take(&in, value, left);
+    bytes_read(&in, value, left);
     isolate_sample_at(out, names, value, has_vertices);
     return MRT_OK;
 }

@@ -15,7 +15,7 @@ enum { ISOLATE_NAME = 64, ISOLATE_INPUT_NAME = 96, ISOLATE_BYTES = 1 << 20 };
 enum {
     ISOLATE_CREATE = 1,
     ISOLATE_DESTROY,
-    ISOLATE_ACTIVATE, /* bytes: face and poses, see isolate_mapped_put */
+    ISOLATE_ACTIVATE, /* bytes: face and poses, see isolate_mapped_write */
     ISOLATE_DEACTIVATE,
     ISOLATE_RESET,
     ISOLATE_PROCESS,
@@ -82,14 +82,14 @@ bool isolate_is_table_of(const isolate_block *block, const mrt_plugin_type *type
 /* ---- the inputs of a frame ---- */
 
 /* Program: copies the inputs of `frame` into the block, which already contains the frame. */
-void isolate_inputs_put(isolate_block *block, const mrt_frame *frame);
+void isolate_inputs_write(isolate_block *block, const mrt_frame *frame);
 /* Child: sets block->frame.inputs to the inputs of the block. `out` must outlive the frame. */
-void isolate_inputs_take(isolate_block *block, mrt_channels out[MRT_MAX_INPUTS]);
+void isolate_inputs_read(isolate_block *block, mrt_channels out[MRT_MAX_INPUTS]);
 
 /* ---- a face as bytes ---- */
 
 /* Writes at most `capacity` bytes and returns the size. */
-size_t isolate_face_put(void *bytes, size_t capacity, const mrt_face *face);
+size_t isolate_face_write(void *bytes, size_t capacity, const mrt_face *face);
 /* A face that was read from bytes, with its memory. isolate_face_finish frees it. */
 typedef struct isolate_face {
     mrt_face face;
@@ -101,8 +101,8 @@ typedef struct isolate_face {
 /* ---- a face with the poses of its rig, as bytes ---- */
 
 /* Writes at most `capacity` bytes and returns the size. */
-size_t isolate_mapped_put(void *bytes, size_t capacity, const mrt_face *face,
-                          const mrt_rig_pose *poses, uint32_t pose_count);
+size_t isolate_mapped_write(void *bytes, size_t capacity, const mrt_face *face,
+                            const mrt_rig_pose *poses, uint32_t pose_count);
 /* Face and poses that were read from bytes, with their memory. isolate_mapped_finish frees them. */
 typedef struct isolate_mapped {
     isolate_face face;
@@ -112,12 +112,12 @@ typedef struct isolate_mapped {
     char (*name)[ISOLATE_NAME];
     uint32_t pose_count;
 } isolate_mapped;
-CHECKED mrt_result isolate_mapped_take(isolate_mapped *out, const void *bytes, size_t size);
+CHECKED mrt_result isolate_mapped_read(isolate_mapped *out, const void *bytes, size_t size);
 void isolate_mapped_finish(isolate_mapped *m); /* accepts a zeroed struct */
 
 /* ---- names and samples of a face output, as bytes ---- */
 
-size_t isolate_names_put(void *bytes, size_t capacity, const mrt_face_names *names);
+size_t isolate_names_write(void *bytes, size_t capacity, const mrt_face_names *names);
 /* Names that were read from bytes, with their memory. isolate_names_finish frees them. */
 typedef struct isolate_names {
     mrt_face_names names;
@@ -127,7 +127,7 @@ typedef struct isolate_names {
     int32_t *parent;
     mrt_vec3 *pivot;
 } isolate_names;
-CHECKED mrt_result isolate_names_take(isolate_names *out, const void *bytes, size_t size);
+CHECKED mrt_result isolate_names_read(isolate_names *out, const void *bytes, size_t size);
 void isolate_names_finish(isolate_names *n); /* accepts a zeroed struct */
 
 /* Returns the number of values of a sample. They are stored contiguously in the order of
@@ -137,10 +137,10 @@ size_t isolate_sample_floats(const mrt_face_names *names, bool has_vertices);
 void isolate_sample_at(mrt_face_sample *sample, const mrt_face_names *names, const float *value,
                        bool has_vertices);
 /* Writes a sample with contiguous values: at most `capacity` bytes. Returns the size. */
-size_t isolate_sample_put(void *bytes, size_t capacity, const mrt_face_names *names,
-                          const mrt_face_sample *sample);
+size_t isolate_sample_write(void *bytes, size_t capacity, const mrt_face_names *names,
+                            const mrt_face_sample *sample);
 /* value: room for isolate_sample_floats with vertices. The pointers of `out` point to it. */
-CHECKED mrt_result isolate_sample_take(mrt_face_sample *out, float *value,
+CHECKED mrt_result isolate_sample_read(mrt_face_sample *out, float *value,
                                        const mrt_face_names *names, const void *bytes, size_t size);
 
 #endif

@@ -43,7 +43,7 @@ static int value_of(char c)
     return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
 }
 
-size_t taught_of_text(char *text)
+size_t taught_parse_text(char *text)
 {
     unsigned char *out = (unsigned char *)text;
     size_t length = strlen(text);
@@ -91,7 +91,7 @@ void taught_keep_now(show *into, const instance *mapping, log_queue *log)
     free(bytes);
 }
 
-void taught_recall(show *of, const instance *mapping, log_queue *log)
+void taught_restore(show *of, const instance *mapping, log_queue *log)
 {
     enum { TEXT = 2 * TAUGHT_BYTES_MAX + 1 };
     char key[160];
@@ -103,7 +103,7 @@ void taught_recall(show *of, const instance *mapping, log_queue *log)
         return;
     key_of(key, mapping->type);
     mrt_result result = show_note_read(of, key, text, TEXT, &err);
-    size_t size = result >= 0 && text[0] ? taught_of_text(text) : 0;
+    size_t size = result >= 0 && text[0] ? taught_parse_text(text) : 0;
     if (size > 0)
         result = taught_load(mapping, text, size, &err);
     else if (result >= 0 && text[0])

@@ -19,7 +19,7 @@ CHECKED mrt_result taught_load(const instance *mapping, const void *bytes, size_
 char *taught_text(const void *bytes, size_t size);
 /* Decodes in place: the bytes replace the beginning of `text`. Returns their count. 0: invalid
  * text. */
-size_t taught_of_text(char *text);
+size_t taught_parse_text(char *text);
 
 /* Stores the taught values in the show, for its next session. Does nothing if the show is
  * read-only. */
@@ -28,6 +28,6 @@ CHECKED mrt_result taught_keep(show *into, const mrt_plugin_type *type, const vo
 /* Same for a mapping that no other thread uses now. Errors are logged. */
 void taught_keep_now(show *into, const instance *mapping, log_queue *log);
 /* Restores the values that the show has. Errors are logged. of NULL: does nothing. */
-void taught_recall(show *of, const instance *mapping, log_queue *log);
+void taught_restore(show *of, const instance *mapping, log_queue *log);
 
 #endif

@@ -31,12 +31,12 @@ static void describe_bones(described *out, const rig *r, uint32_t count)
 /* Makes an own copy of the names by writing and reading them as bytes. */
 static mrt_result copy_names(isolate_names *out, const mrt_face_names *names)
 {
-    size_t size = isolate_names_put(NULL, 0, names);
+    size_t size = isolate_names_write(NULL, 0, names);
     unsigned char *bytes = malloc(size);
     if (!bytes)
         return MRT_ERR_MEMORY;
-    (void)isolate_names_put(bytes, size, names);
-    mrt_result result = isolate_names_take(out, bytes, size);
+    (void)isolate_names_write(bytes, size, names);
+    mrt_result result = isolate_names_read(out, bytes, size);
     free(bytes);
     return result;
 }
@@ -104,19 +104,19 @@ mrt_result face_board_create(face_board **out, composer *of, const face_file *fi
         *out = self;
         return MRT_OK;
     }
-    face_board_drop(self);
+    face_board_release(self);
     return error_set(err, result,
                      "cannot send the face: it has too many names, or memory "
                      "is out");
 }
 
-face_board *face_board_keep(face_board *self)
+face_board *face_board_retain(face_board *self)
 {
     atomic_fetch_add(&self->references, 1);
     return self;
 }
 
-void face_board_drop(face_board *self)
+void face_board_release(face_board *self)
 {
     if (!self || atomic_fetch_sub(&self->references, 1) > 1)
         return;
@@ -266,9 +266,9 @@ static void write_weights(face_board *self, const board_face *from)
     (void)write_channels(out, channels->viseme, FACE_VISEMES);
 }
 
-const board_face *face_board_take(face_board *self)
+const board_face *face_board_read(face_board *self)
 {
-    if (!slot_take(&self->slot))
+    if (!slot_receive(&self->slot))
         return NULL;
     const board_face *from = &self->face[slot_front(&self->slot)];
     face_board_prepare(self);

@@ -34,8 +34,8 @@ typedef struct face_board {
  * stay valid while faces are read. */
 CHECKED mrt_result face_board_create(face_board **out, composer *of, const face_file *file,
                                      error *err);
-face_board *face_board_keep(face_board *self); /* [any] adds a reference */
-void face_board_drop(face_board *self);        /* [any but frame] accepts NULL */
+face_board *face_board_retain(face_board *self); /* [any] adds a reference */
+void face_board_release(face_board *self);       /* [any but frame] accepts NULL */
 
 /* [main] Creates the weights now instead of with the first face. */
 void face_board_prepare(face_board *self);
@@ -46,6 +46,6 @@ void face_board_fill(face_board *self, composer *of, int64_t time_ns, int64_t ta
                      bool with_vertices);
 /* [taker] Returns the newest face with its weights, valid until the next call. NULL: none since the
  * last call. The first call takes about 100 ms longer, because it creates the weights. */
-const board_face *face_board_take(face_board *self);
+const board_face *face_board_read(face_board *self);
 
 #endif

@@ -109,7 +109,7 @@ static bool copy_face(latest *out, const mrt_face_names *names, const latest *fr
 /* Copies the newest face of the board to `newest`, by a swap of the buffers under the mutex. */
 static bool read_face(outputs *self, face_board *board)
 {
-    const board_face *from = face_board_take(board);
+    const board_face *from = face_board_read(board);
     if (!from)
         return false;
     const latest as = {.time_ns = from->time_ns,
@@ -150,7 +150,7 @@ static void set_state(output *self, output_state state, const char *trouble)
 {
     static const char *const names[] = {[OUTPUT_OPENS] = "opens",
                                         [OUTPUT_SENDS] = "sends",
-                                        [OUTPUT_UNHEARD] = "has no receiver",
+                                        [OUTPUT_NO_RECEIVER] = "has no receiver",
                                         [OUTPUT_FAILED] = "failed"};
     bool is_news = false;
     pthread_mutex_lock(&self->mutex);
@@ -201,7 +201,7 @@ static void close_output(output *self)
 {
     self->functions->close(self->plugin.self);
     self->is_open = false;
-    face_board_drop(self->begun);
+    face_board_release(self->begun);
     self->begun = NULL;
 }
 
@@ -253,8 +253,8 @@ static bool begin(output *self, face_board *board)
         fail(self, why.text);
         return false;
     }
-    face_board_drop(self->begun);
-    self->begun = face_board_keep(board);
+    face_board_release(self->begun);
+    self->begun = face_board_retain(board);
     return true;
 }
 
@@ -278,7 +278,7 @@ static void send_face(output *self)
         return;
     }
     count_sent(self, is_new, now_ns);
-    set_state(self, result == MRT_TIMEOUT ? OUTPUT_UNHEARD : OUTPUT_SENDS, "");
+    set_state(self, result == MRT_TIMEOUT ? OUTPUT_NO_RECEIVER : OUTPUT_SENDS, "");
 }
 
 /* ---- timing ---- */
@@ -288,10 +288,10 @@ static face_board *copy_newest(output *self)
 {
     outputs *of = self->of;
     pthread_mutex_lock(&of->mutex);
-    face_board *board = of->board && of->newest.number > 0 ? face_board_keep(of->board) : NULL;
+    face_board *board = of->board && of->newest.number > 0 ? face_board_retain(of->board) : NULL;
     bool is_other = board && (board != self->begun || of->newest.number != self->now.number);
     if (is_other && !copy_face(&self->now, &board->of.names, &of->newest)) {
-        face_board_drop(board);
+        face_board_release(board);
         board = NULL;
     } else if (is_other) {
         pthread_mutex_lock(&self->mutex);
@@ -337,7 +337,7 @@ static int64_t run_once(output *self)
         return self->retry_at_ns;
     face_board *board = copy_newest(self);
     bool has_face = board && begin(self, board);
-    face_board_drop(board);
+    face_board_release(board);
     if (!has_face)
         return self->is_open ? now_ns + watch_ns : self->retry_at_ns;
     int64_t due_ns = due_at(self);
@@ -372,7 +372,7 @@ static void free_output(output *self)
 {
     instance_destroy(&self->plugin);
     isolate_destroy(self->isolated);
-    face_board_drop(self->begun);
+    face_board_release(self->begun);
     plugin_spec_finish(&self->spec);
     pthread_mutex_destroy(&self->mutex);
     free(self->now.value);
@@ -468,11 +468,11 @@ void outputs_show(outputs *self, face_board *board)
     pthread_mutex_lock(&self->taking);
     pthread_mutex_lock(&self->mutex);
     face_board *before = self->board;
-    self->board = board ? face_board_keep(board) : NULL;
+    self->board = board ? face_board_retain(board) : NULL;
     self->newest.number = 0;
     pthread_mutex_unlock(&self->mutex);
     pthread_mutex_unlock(&self->taking);
-    face_board_drop(before);
+    face_board_release(before);
 }
 
 double outputs_residual_mm(outputs *self)
@@ -534,7 +534,7 @@ void outputs_destroy(outputs *self)
     wake_signal(&self->signal);
     if (self->has_thread)
         pthread_join(self->thread, NULL);
-    face_board_drop(self->board);
+    face_board_release(self->board);
     pthread_mutex_destroy(&self->mutex);
     pthread_mutex_destroy(&self->taking);
     free(self->newest.value);
@@ -549,7 +549,7 @@ bool outputs_are_wanted(const outputs *self)
     return self && atomic_load(&self->are_wanted);
 }
 
-bool outputs_ask_again(outputs *self)
+bool outputs_pop_request(outputs *self)
 {
     return self && atomic_exchange(&self->ask_again, false);
 }

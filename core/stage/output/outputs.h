@@ -38,8 +38,8 @@ double outputs_residual_mm(outputs *self);
 typedef enum output_state {
     OUTPUT_OPENS = 0,
     OUTPUT_SENDS,
-    OUTPUT_UNHEARD, /* running, but nobody receives the face */
-    OUTPUT_FAILED   /* opened again every second */
+    OUTPUT_NO_RECEIVER, /* running, but nobody receives the face */
+    OUTPUT_FAILED       /* opened again every second */
 } output_state;
 
 typedef struct output_status {
@@ -62,7 +62,7 @@ void outputs_status(outputs *self, uint32_t index, output_status *out);
 bool outputs_are_wanted(const outputs *self); /* NULL: false */
 /* Returns true once after an output was added that needs the current face, although the face has
  * not changed. */
-bool outputs_ask_again(outputs *self); /* NULL: false */
+bool outputs_pop_request(outputs *self); /* NULL: false */
 /* Copies the face that the composer has drawn to the board. */
 void outputs_publish(outputs *self, face_board *board, composer *of, int64_t time_ns,
                      int64_t take_ns);

@@ -1290,9 +1290,9 @@ enum { IS_ADDITIVE = 1, IS_POINTER = 2 };
 
 static void put_pull(bytes_out *out, const mrt_pull *pull)
 {
-    bytes_put(out, pull, offsetof(mrt_pull, vector));
-    bytes_put(out, pull->vector, pull->count * sizeof *pull->vector);
-    bytes_put(out, pull->dof, sizeof pull->dof);
+    bytes_write(out, pull, offsetof(mrt_pull, vector));
+    bytes_write(out, pull->vector, pull->count * sizeof *pull->vector);
+    bytes_write(out, pull->dof, sizeof pull->dof);
 }
 
 static bool is_point(mrt_vec3 p)
@@ -1303,14 +1303,14 @@ static bool is_point(mrt_vec3 p)
 static void take_pull(bytes_in *in, const composer *self, mrt_pull *out)
 {
     *out = (mrt_pull){0};
-    bytes_take(in, out, offsetof(mrt_pull, vector));
+    bytes_read(in, out, offsetof(mrt_pull, vector));
     if (out->count > MRT_MAX_VECTORS || out->mode > MRT_UNANCHORED || !isfinite(out->radius_mm) ||
         !isfinite(out->stretch_most)) {
         in->failed = true;
         out->count = 0;
     }
-    bytes_take(in, out->vector, out->count * sizeof *out->vector);
-    bytes_take(in, out->dof, sizeof out->dof);
+    bytes_read(in, out->vector, out->count * sizeof *out->vector);
+    bytes_read(in, out->dof, sizeof out->dof);
     for (uint32_t i = 0; i < out->count; ++i)
         in->failed |= !is_point(out->vector[i].start) || !is_point(out->vector[i].end) ||
                       out->vector[i].contact > self->mapped.about.contact_count;
@@ -1320,56 +1320,56 @@ static void take_pull(bytes_in *in, const composer *self, mrt_pull *out)
 
 static void put_state(bytes_out *out, const part_state *v)
 {
-    bytes_put_u32(out, v->part.layer);
-    bytes_put_u32(out,
-                  (v->part.is_additive ? IS_ADDITIVE : 0) | (v->part.is_pointer ? IS_POINTER : 0));
-    bytes_put_u32(out, v->commit);
-    bytes_put_u32(out, v->has_pull);
+    bytes_write_u32(out, v->part.layer);
+    bytes_write_u32(out, (v->part.is_additive ? IS_ADDITIVE : 0) |
+                             (v->part.is_pointer ? IS_POINTER : 0));
+    bytes_write_u32(out, v->commit);
+    bytes_write_u32(out, v->has_pull);
     if (v->has_pull)
         put_pull(out, &v->last_pull);
-    bytes_put_u32(out, v->is_joined);
-    bytes_put_f64(out, v->weight);
+    bytes_write_u32(out, v->is_joined);
+    bytes_write_f64(out, v->weight);
     if (v->is_joined) {
         put_pull(out, &v->joined);
-        bytes_put_f64(out, v->share);
-        bytes_put(out, v->control, v->joined.count * sizeof *v->control);
+        bytes_write_f64(out, v->share);
+        bytes_write(out, v->control, v->joined.count * sizeof *v->control);
     }
-    bytes_put_u32(out, v->was_near);
-    bytes_put_u32(out, v->is_dragging);
-    bytes_put_u32(out, v->is_dragging ? v->tip_count : 0);
+    bytes_write_u32(out, v->was_near);
+    bytes_write_u32(out, v->is_dragging);
+    bytes_write_u32(out, v->is_dragging ? v->tip_count : 0);
     if (v->is_dragging)
-        bytes_put(out, v->tip, (size_t)v->tip_count * 3 * sizeof *v->tip);
+        bytes_write(out, v->tip, (size_t)v->tip_count * 3 * sizeof *v->tip);
 }
 
 static void take_state(bytes_in *in, const composer *self, part_state *out)
 {
     out->was_present = true;
-    out->part.layer = bytes_take_u32(in);
-    uint32_t manner = bytes_take_u32(in);
+    out->part.layer = bytes_read_u32(in);
+    uint32_t manner = bytes_read_u32(in);
     out->part.is_additive = (manner & IS_ADDITIVE) != 0;
     out->part.is_pointer = (manner & IS_POINTER) != 0;
-    out->commit = bytes_take_u32(in);
-    out->has_pull = bytes_take_u32(in) != 0;
+    out->commit = bytes_read_u32(in);
+    out->has_pull = bytes_read_u32(in) != 0;
     if (out->has_pull)
         take_pull(in, self, &out->last_pull);
-    out->is_joined = bytes_take_u32(in) != 0;
-    out->weight = bytes_take_f64(in);
+    out->is_joined = bytes_read_u32(in) != 0;
+    out->weight = bytes_read_f64(in);
     if (out->is_joined) {
         take_pull(in, self, &out->joined);
-        out->share = bytes_take_f64(in);
-        bytes_take(in, out->control, out->joined.count * sizeof *out->control);
+        out->share = bytes_read_f64(in);
+        bytes_read(in, out->control, out->joined.count * sizeof *out->control);
         for (uint32_t i = 0; i < out->joined.count; ++i)
             in->failed |=
                 out->control[i] != COMPOSER_NO_CONTROL && out->control[i] >= self->control_count;
     }
-    out->was_near = bytes_take_u32(in) != 0;
-    out->is_dragging = bytes_take_u32(in) != 0;
-    out->tip_count = bytes_take_u32(in);
+    out->was_near = bytes_read_u32(in) != 0;
+    out->is_dragging = bytes_read_u32(in) != 0;
+    out->tip_count = bytes_read_u32(in);
     if (out->tip_count > MRT_MAX_VECTORS)
         in->failed = true;
     else
         for (uint32_t i = 0; i < 3 * out->tip_count; ++i)
-            out->tip[i] = bytes_take_f64(in);
+            out->tip[i] = bytes_read_f64(in);
 }
 
 /* Without any the format is STORE_VERSION, which older versions read. */
@@ -1385,44 +1385,44 @@ static bool has_pointers(const composer *self)
 static void put_pointers(bytes_out *out, const composer *self)
 {
     for (uint32_t k = 0; k < self->control_count; ++k) {
-        bytes_put_u32(out, self->control[k].is_pointer);
-        bytes_put_vec3(out, self->control[k].rest);
-        bytes_put_vec3(out, self->control[k].held);
+        bytes_write_u32(out, self->control[k].is_pointer);
+        bytes_write_vec3(out, self->control[k].rest);
+        bytes_write_vec3(out, self->control[k].held);
     }
 }
 
 static void take_pointers(bytes_in *in, composer *self)
 {
     for (uint32_t k = 0; k < self->control_count; ++k) {
-        self->control[k].is_pointer = bytes_take_u32(in) != 0;
-        self->control[k].rest = bytes_take_vec3(in);
-        self->control[k].held = bytes_take_vec3(in);
+        self->control[k].is_pointer = bytes_read_u32(in) != 0;
+        self->control[k].rest = bytes_read_vec3(in);
+        self->control[k].held = bytes_read_vec3(in);
     }
 }
 
 static void put_controls(bytes_out *out, const composer *self)
 {
-    bytes_put_u32(out, self->engaged);
-    bytes_put_f64(out, (double)self->engaged_radius_mm);
-    bytes_put_u32(out, self->control_count);
+    bytes_write_u32(out, self->engaged);
+    bytes_write_f64(out, (double)self->engaged_radius_mm);
+    bytes_write_u32(out, self->control_count);
     for (uint32_t k = 0; k < self->control_count; ++k) {
         const joined_control *c = &self->control[k];
-        bytes_put_u32(out, c->contact);
-        bytes_put_u32(out, c->slot);
-        bytes_put_u32(out, c->vector);
-        bytes_put_vec3(out, c->start);
+        bytes_write_u32(out, c->contact);
+        bytes_write_u32(out, c->slot);
+        bytes_write_u32(out, c->vector);
+        bytes_write_vec3(out, c->start);
     }
-    bytes_put_u32(out, self->joined_count);
-    bytes_put(out, self->joined_order, self->joined_count * sizeof *self->joined_order);
+    bytes_write_u32(out, self->joined_count);
+    bytes_write(out, self->joined_order, self->joined_count * sizeof *self->joined_order);
 }
 
 static void take_controls(bytes_in *in, composer *self)
 {
-    self->engaged = bytes_take_u32(in) != 0;
-    double radius_mm = bytes_take_f64(in);
+    self->engaged = bytes_read_u32(in) != 0;
+    double radius_mm = bytes_read_f64(in);
     in->failed |= fabs(radius_mm) > (double)FLT_MAX;
     self->engaged_radius_mm = in->failed ? 0.0f : (float)radius_mm;
-    self->control_count = bytes_take_u32(in);
+    self->control_count = bytes_read_u32(in);
     if (self->control_count > MRT_MAX_VECTORS) {
         in->failed = true;
         self->control_count = 0;
@@ -1430,19 +1430,19 @@ static void take_controls(bytes_in *in, composer *self)
     for (uint32_t k = 0; k < self->control_count; ++k) {
         joined_control *c = &self->control[k];
         memset(self->aimed + 3 * k, 0, 3 * sizeof *self->aimed); /* told again by the next step */
-        c->contact = bytes_take_u32(in);
-        c->slot = bytes_take_u32(in);
-        c->vector = bytes_take_u32(in);
-        c->start = bytes_take_vec3(in);
+        c->contact = bytes_read_u32(in);
+        c->slot = bytes_read_u32(in);
+        c->vector = bytes_read_u32(in);
+        c->start = bytes_read_vec3(in);
         in->failed |= c->contact > self->mapped.about.contact_count ||
                       c->slot >= COMPOSER_PARTS_MAX || c->vector >= MRT_MAX_VECTORS;
     }
-    self->joined_count = bytes_take_u32(in);
+    self->joined_count = bytes_read_u32(in);
     if (self->joined_count > COMPOSER_PARTS_MAX) {
         in->failed = true;
         self->joined_count = 0;
     }
-    bytes_take(in, self->joined_order, self->joined_count * sizeof *self->joined_order);
+    bytes_read(in, self->joined_order, self->joined_count * sizeof *self->joined_order);
     for (uint32_t i = 0; i < self->joined_count; ++i)
         in->failed |= self->joined_order[i] >= COMPOSER_PARTS_MAX;
 }
@@ -1451,23 +1451,23 @@ size_t composer_save(composer *self, void *bytes, size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
     uint32_t state_count = 0;
-    bytes_put_u32(&out, has_pointers(self) ? STORE_WITH_POINTERS : STORE_VERSION);
+    bytes_write_u32(&out, has_pointers(self) ? STORE_WITH_POINTERS : STORE_VERSION);
     put_controls(&out, self);
     if (has_pointers(self))
         put_pointers(&out, self);
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
         state_count += self->state[slot].was_present || self->state[slot].is_joined;
-    bytes_put_u32(&out, state_count);
+    bytes_write_u32(&out, state_count);
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot) {
         const part_state *v = &self->state[slot];
         if (!v->was_present && !v->is_joined)
             continue;
-        bytes_put_u32(&out, slot);
-        bytes_put_u32(&out, v->was_present);
+        bytes_write_u32(&out, slot);
+        bytes_write_u32(&out, v->was_present);
         put_state(&out, v);
     }
     size_t face_size = face_save(self->face, NULL, 0);
-    bytes_put_u32(&out, (uint32_t)face_size);
+    bytes_write_u32(&out, (uint32_t)face_size);
     if (out.data && out.size <= out.capacity && face_size <= out.capacity - out.size)
         face_save(self->face, out.data + out.size, face_size);
     return out.size + face_size;
@@ -1475,15 +1475,15 @@ size_t composer_save(composer *self, void *bytes, size_t capacity)
 
 static mrt_result load(composer *self, bytes_in *in, error *err)
 {
-    uint32_t version = bytes_take_u32(in);
+    uint32_t version = bytes_read_u32(in);
     in->failed |= version != STORE_VERSION && version != STORE_WITH_POINTERS;
     take_controls(in, self);
     if (version == STORE_WITH_POINTERS)
         take_pointers(in, self);
-    uint32_t state_count = bytes_take_u32(in);
+    uint32_t state_count = bytes_read_u32(in);
     for (uint32_t i = 0; i < state_count && !in->failed; ++i) {
-        uint32_t slot = bytes_take_u32(in);
-        bool was_present = bytes_take_u32(in) != 0;
+        uint32_t slot = bytes_read_u32(in);
+        bool was_present = bytes_read_u32(in) != 0;
         if (slot >= COMPOSER_PARTS_MAX) {
             in->failed = true;
             break;
@@ -1491,7 +1491,7 @@ static mrt_result load(composer *self, bytes_in *in, error *err)
         take_state(in, self, &self->state[slot]);
         self->state[slot].was_present = was_present;
     }
-    size_t size = bytes_take_u32(in);
+    size_t size = bytes_read_u32(in);
     if (in->failed || size != (size_t)(in->end - in->at))
         return error_set(err, MRT_ERR_FORMAT, "the stored state of the face is damaged");
     mrt_result result = face_load(self->face, in->at, size, err);

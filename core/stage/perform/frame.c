@@ -75,7 +75,7 @@ static void report_params(layer *of, int64_t time_ns)
 static mrt_result ask_mapping(layer *of)
 {
     if (layer_is_answered(of))
-        return answers_take(of->answers, of->frame.time_ns, &of->pull);
+        return answers_pop(of->answers, of->frame.time_ns, &of->pull);
     if (of->takeover && !layer_is_fading(of) &&
         of->takeover->take_over(of->mapping->self, &of->pull))
         layer_crossfade(of);

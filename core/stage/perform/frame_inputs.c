@@ -83,39 +83,39 @@ void frame_inputs_read(frame_inputs *self, const sample_step *s, int64_t time_ns
 static void put_text(bytes_out *out, const char *text)
 {
     uint32_t length = (uint32_t)strlen(text);
-    bytes_put_u32(out, length);
-    bytes_put(out, text, length);
+    bytes_write_u32(out, length);
+    bytes_write(out, text, length);
 }
 
 static void take_text(bytes_in *in, char *out, size_t capacity)
 {
-    uint32_t length = bytes_take_u32(in);
+    uint32_t length = bytes_read_u32(in);
     memset(out, 0, capacity);
     in->failed |= length >= capacity;
     if (in->failed)
         return;
-    bytes_take(in, out, length);
+    bytes_read(in, out, length);
     in->failed |= strlen(out) != length;
 }
 
 size_t frame_inputs_save(const frame_inputs *self, void *bytes, size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
-    bytes_put_u32(&out, STORE_VERSION);
-    bytes_put_u32(&out, self->count);
+    bytes_write_u32(&out, STORE_VERSION);
+    bytes_write_u32(&out, self->count);
     for (uint32_t i = 0; i < self->count; ++i) {
         put_text(&out, self->name[i]);
-        bytes_put(&out, &self->shown[i].time_ns, sizeof self->shown[i].time_ns);
-        bytes_put_u32(&out, self->table[i].count);
+        bytes_write(&out, &self->shown[i].time_ns, sizeof self->shown[i].time_ns);
+        bytes_write_u32(&out, self->table[i].count);
         for (uint32_t c = 0; c < self->table[i].count; ++c) {
             const mrt_channel *channel = &self->table[i].channel[c];
             put_text(&out, channel->name);
             put_text(&out, channel->unit);
-            bytes_put_u32(&out, channel->semantic);
-            bytes_put_u32(&out, channel->hand);
-            bytes_put(&out, &channel->min, sizeof channel->min);
-            bytes_put(&out, &channel->max, sizeof channel->max);
-            bytes_put(&out, &self->value[i][c], sizeof self->value[i][c]);
+            bytes_write_u32(&out, channel->semantic);
+            bytes_write_u32(&out, channel->hand);
+            bytes_write(&out, &channel->min, sizeof channel->min);
+            bytes_write(&out, &channel->max, sizeof channel->max);
+            bytes_write(&out, &self->value[i][c], sizeof self->value[i][c]);
         }
     }
     return out.size;
@@ -129,11 +129,11 @@ static void take_channel(bytes_in *in, frame_inputs *self, uint32_t i, uint32_t 
     take_text(in, table->unit[c], CHANNEL_UNIT);
     channel->name = table->name[c];
     channel->unit = table->unit[c];
-    channel->semantic = bytes_take_u32(in);
-    channel->hand = bytes_take_u32(in);
-    bytes_take(in, &channel->min, sizeof channel->min);
-    bytes_take(in, &channel->max, sizeof channel->max);
-    bytes_take(in, &self->value[i][c], sizeof self->value[i][c]);
+    channel->semantic = bytes_read_u32(in);
+    channel->hand = bytes_read_u32(in);
+    bytes_read(in, &channel->min, sizeof channel->min);
+    bytes_read(in, &channel->max, sizeof channel->max);
+    bytes_read(in, &self->value[i][c], sizeof self->value[i][c]);
     in->failed |= channel->hand > MRT_NO_HAND || !isfinite(channel->min) ||
                   !isfinite(channel->max) || !isfinite(self->value[i][c]);
 }
@@ -145,8 +145,8 @@ static void take_input(bytes_in *in, frame_inputs *self, uint32_t i)
     *table = (channel_table){0};
     memset(self->value[i], 0, sizeof self->value[i]);
     take_text(in, self->name[i], ROUTE_NAME);
-    bytes_take(in, &time_ns, sizeof time_ns);
-    table->count = bytes_take_u32(in);
+    bytes_read(in, &time_ns, sizeof time_ns);
+    table->count = bytes_read_u32(in);
     in->failed |= table->count == 0 || table->count > MRT_MAX_CHANNELS;
     for (uint32_t c = 0; !in->failed && c < table->count; ++c)
         take_channel(in, self, i, c);
@@ -157,8 +157,8 @@ bool frame_inputs_load(frame_inputs *self, const void *bytes, size_t size)
 {
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
     frame_inputs_reset(self);
-    in.failed |= bytes_take_u32(&in) != STORE_VERSION;
-    uint32_t count = bytes_take_u32(&in);
+    in.failed |= bytes_read_u32(&in) != STORE_VERSION;
+    uint32_t count = bytes_read_u32(&in);
     in.failed |= count > MRT_MAX_INPUTS;
     for (uint32_t i = 0; !in.failed && i < count; ++i)
         take_input(&in, self, i);

@@ -409,7 +409,7 @@ enum { STORE_OTHER = 2, STORE_HOMING = 2 }; /* the stored words for waiting and 
 /* Appends the size of a nested state and makes room for it. NULL: no room. */
 static void *add_nested(bytes_out *out, size_t size)
 {
-    bytes_put_u32(out, (uint32_t)size);
+    bytes_write_u32(out, (uint32_t)size);
     bool fits = out->data && out->size <= out->capacity && size <= out->capacity - out->size;
     void *at = fits ? out->data + out->size : NULL;
     out->size += size;
@@ -432,13 +432,13 @@ static size_t save_mapping(const layer *self, void *bytes, size_t capacity)
 
 static void take_pull(bytes_in *in, const layer *self, mrt_pull *out)
 {
-    uint32_t kept = answers_take_pull(in, out);
+    uint32_t kept = answers_read_pull(in, out);
     in->failed = in->failed || kept < out->count || guard_fault(&self->guard, out) != NULL;
 }
 
 static const unsigned char *take_sized(bytes_in *in, size_t *out_size)
 {
-    *out_size = bytes_take_u32(in);
+    *out_size = bytes_read_u32(in);
     const unsigned char *at = in->at;
     if (in->failed || *out_size > (size_t)(in->end - in->at)) {
         in->failed = true;
@@ -450,22 +450,22 @@ static const unsigned char *take_sized(bytes_in *in, size_t *out_size)
 
 static void put_crossfade(bytes_out *out, const crossfade *c)
 {
-    bytes_put_u32(out, c->state == CROSSFADE_WAITS_OTHER ? STORE_OTHER : is_waiting(c));
-    bytes_put_u32(out, c->state == CROSSFADE_HOME ? STORE_HOMING : c->state >= CROSSFADE_IN);
-    bytes_put_u32(out, c->state >= CROSSFADE_OVER);
-    bytes_put_f64(out, c->fade_s);
-    bytes_put_u32(out, c->side);
-    bytes_put_u32(out, c->anchor_shift);
-    answers_put_pull(out, &c->leaving);
+    bytes_write_u32(out, c->state == CROSSFADE_WAITS_OTHER ? STORE_OTHER : is_waiting(c));
+    bytes_write_u32(out, c->state == CROSSFADE_HOME ? STORE_HOMING : c->state >= CROSSFADE_IN);
+    bytes_write_u32(out, c->state >= CROSSFADE_OVER);
+    bytes_write_f64(out, c->fade_s);
+    bytes_write_u32(out, c->side);
+    bytes_write_u32(out, c->anchor_shift);
+    answers_write_pull(out, &c->leaving);
     if (c->state == CROSSFADE_WAITS_OTHER)
-        bytes_put(out, c->posed, sizeof c->posed);
+        bytes_write(out, c->posed, sizeof c->posed);
 }
 
 /* The format has a word for waiting, one for fading and one for leaving. */
 static crossfade_state stored_state(bytes_in *in)
 {
-    uint32_t waiting = bytes_take_u32(in), fading = bytes_take_u32(in);
-    bool is_leaving = bytes_take_u32(in) != 0;
+    uint32_t waiting = bytes_read_u32(in), fading = bytes_read_u32(in);
+    bool is_leaving = bytes_read_u32(in) != 0;
     if (waiting != 0)
         return waiting == STORE_OTHER ? CROSSFADE_WAITS_OTHER : CROSSFADE_WAITS;
     if (fading == 0)
@@ -479,13 +479,13 @@ static void take_crossfade(bytes_in *in, layer *self)
 {
     crossfade *c = &self->crossfade;
     c->state = stored_state(in);
-    c->fade_s = bytes_take_f64(in);
-    c->side = bytes_take_u32(in);
-    c->anchor_shift = bytes_take_u32(in);
+    c->fade_s = bytes_read_f64(in);
+    c->side = bytes_read_u32(in);
+    c->anchor_shift = bytes_read_u32(in);
     take_pull(in, self, &c->leaving);
     bool is_other = c->state == CROSSFADE_WAITS_OTHER;
     if (is_other)
-        bytes_take(in, c->posed, sizeof c->posed);
+        bytes_read(in, c->posed, sizeof c->posed);
     for (uint32_t i = 0; is_other && i < MRT_MAX_DOFS; ++i)
         in->failed |= !isfinite(c->posed[i]);
     c->shown = c->state == CROSSFADE_HOME ? layer_home(&c->leaving) : self->good;
@@ -499,27 +499,27 @@ size_t layer_save(layer *self, void *bytes, size_t capacity)
     const mrt_plugin_type *type = self->mapping->type;
     if (!layer_is_answered(self) && (!self->resume || save_mapping(self, NULL, 0) == 0))
         return 0;
-    bytes_put_u32(&out, STORE_WITH_INPUTS);
-    bytes_put_u32(&out, type->param_count);
+    bytes_write_u32(&out, STORE_WITH_INPUTS);
+    bytes_write_u32(&out, type->param_count);
     for (uint32_t i = 0; i < type->param_count; ++i) {
-        bytes_put_u32(&out, type->params[i].id);
-        bytes_put_f64(&out, self->room->last_params[i]);
+        bytes_write_u32(&out, type->params[i].id);
+        bytes_write_f64(&out, self->room->last_params[i]);
     }
-    bytes_put_u32(&out, self->has_time);
-    bytes_put(&out, &self->frame.time_ns, sizeof self->frame.time_ns);
-    bytes_put(&out, self->frame.pedal, sizeof self->frame.pedal);
+    bytes_write_u32(&out, self->has_time);
+    bytes_write(&out, &self->frame.time_ns, sizeof self->frame.time_ns);
+    bytes_write(&out, self->frame.pedal, sizeof self->frame.pedal);
     for (int side = 0; side < 2; ++side) {
         const mrt_hand *hand = &self->frame.hand[side];
-        bytes_put_u32(&out, hand->present);
-        bytes_put(&out, &hand->time_ns, sizeof hand->time_ns);
-        bytes_put(&out, hand->angle, sizeof hand->angle);
-        bytes_put(&out, hand->joint, sizeof hand->joint);
-        bytes_put(&out, hand->palm, sizeof hand->palm);
+        bytes_write_u32(&out, hand->present);
+        bytes_write(&out, &hand->time_ns, sizeof hand->time_ns);
+        bytes_write(&out, hand->angle, sizeof hand->angle);
+        bytes_write(&out, hand->joint, sizeof hand->joint);
+        bytes_write(&out, hand->palm, sizeof hand->palm);
     }
-    answers_put_pull(&out, &self->good);
-    answers_put_pull(&out, &self->pull);
+    answers_write_pull(&out, &self->good);
+    answers_write_pull(&out, &self->pull);
     put_crossfade(&out, &self->crossfade);
-    bytes_put_u32(&out, self->resets);
+    bytes_write_u32(&out, self->resets);
     PUT_NESTED(&out, pointer_save, &self->pointer);
     PUT_NESTED(&out, frame_inputs_save, &self->inputs);
     PUT_NESTED(&out, patch_bay_save, &self->bay);
@@ -531,10 +531,10 @@ size_t layer_save(layer *self, void *bytes, size_t capacity)
 static void take_params(bytes_in *in, layer *self)
 {
     const mrt_plugin_type *type = self->mapping->type;
-    in->failed |= bytes_take_u32(in) != type->param_count;
+    in->failed |= bytes_read_u32(in) != type->param_count;
     for (uint32_t i = 0; i < type->param_count && !in->failed; ++i) {
-        in->failed |= bytes_take_u32(in) != type->params[i].id;
-        double value = bytes_take_f64(in);
+        in->failed |= bytes_read_u32(in) != type->params[i].id;
+        double value = bytes_read_f64(in);
         in->failed |= !(value >= type->params[i].min && value <= type->params[i].max);
         self->room->stored_params[i] = value;
     }
@@ -570,15 +570,15 @@ static bool points_are_finite(const mrt_vec3 *point, size_t count)
 
 static void take_frame(bytes_in *in, mrt_frame *frame)
 {
-    bytes_take(in, frame->pedal, sizeof frame->pedal);
+    bytes_read(in, frame->pedal, sizeof frame->pedal);
     in->failed |= !are_finite(frame->pedal, MRT_MAX_PEDALS);
     for (int side = 0; side < 2; ++side) {
         mrt_hand *hand = &frame->hand[side];
-        hand->present = bytes_take_u32(in) != 0;
-        bytes_take(in, &hand->time_ns, sizeof hand->time_ns);
-        bytes_take(in, hand->angle, sizeof hand->angle);
-        bytes_take(in, hand->joint, sizeof hand->joint);
-        bytes_take(in, hand->palm, sizeof hand->palm);
+        hand->present = bytes_read_u32(in) != 0;
+        bytes_read(in, &hand->time_ns, sizeof hand->time_ns);
+        bytes_read(in, hand->angle, sizeof hand->angle);
+        bytes_read(in, hand->joint, sizeof hand->joint);
+        bytes_read(in, hand->palm, sizeof hand->palm);
         in->failed |= !are_finite(hand->angle, MRT_ANGLES) ||
                       !points_are_finite(hand->joint, MRT_JOINTS) ||
                       !points_are_finite(hand->palm, MRT_PALM);
@@ -588,7 +588,7 @@ static void take_frame(bytes_in *in, mrt_frame *frame)
 static void take_pointer(bytes_in *in, layer *self)
 {
     size_t size = 0;
-    self->resets = bytes_take_u32(in) != 0;
+    self->resets = bytes_read_u32(in) != 0;
     const unsigned char *bytes = take_sized(in, &size);
     in->failed |= !bytes || !pointer_load(&self->pointer, bytes, size) ||
                   guard_fault(&self->guard, &self->pointer.pull) ||
@@ -609,11 +609,11 @@ static mrt_result load(layer *self, bytes_in *in, error *err)
     if (!self->resume && !layer_is_answered(self))
         return error_set(err, MRT_ERR_UNSUPPORTED, "mapping %s cannot be resumed",
                          self->mapping->type->id);
-    uint32_t version = bytes_take_u32(in);
+    uint32_t version = bytes_read_u32(in);
     in->failed |= version < STORE_VERSION || version > STORE_WITH_INPUTS;
     take_params(in, self);
-    self->has_time = bytes_take_u32(in) != 0;
-    bytes_take(in, &self->frame.time_ns, sizeof self->frame.time_ns);
+    self->has_time = bytes_read_u32(in) != 0;
+    bytes_read(in, &self->frame.time_ns, sizeof self->frame.time_ns);
     take_frame(in, &self->frame);
     take_pull(in, self, &self->good);
     take_pull(in, self, &self->pull);

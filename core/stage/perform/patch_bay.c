@@ -589,22 +589,22 @@ enum { IS_HEARD = 1, IS_CAUGHT = 2, WAS_DOWN = 4, MAY_SPEAK = 8, SPEAKS = 16, FL
 
 static void put_pull(bytes_out *out, const mrt_pull *p)
 {
-    bytes_put(out, p, offsetof(mrt_pull, vector));
-    bytes_put(out, p->vector, p->count * sizeof *p->vector);
-    bytes_put(out, p->dof, sizeof p->dof);
+    bytes_write(out, p, offsetof(mrt_pull, vector));
+    bytes_write(out, p->vector, p->count * sizeof *p->vector);
+    bytes_write(out, p->dof, sizeof p->dof);
 }
 
 static void take_pull(bytes_in *in, const guard *of, mrt_pull *out)
 {
     *out = guard_idle();
-    bytes_take(in, out, offsetof(mrt_pull, vector));
+    bytes_read(in, out, offsetof(mrt_pull, vector));
     if (out->count > MRT_MAX_VECTORS || out->mode > MRT_ANCHORED) {
         in->failed = true;
         *out = guard_idle();
         return;
     }
-    bytes_take(in, out->vector, out->count * sizeof *out->vector);
-    bytes_take(in, out->dof, sizeof out->dof);
+    bytes_read(in, out->vector, out->count * sizeof *out->vector);
+    bytes_read(in, out->dof, sizeof out->dof);
     in->failed |= guard_fault(of, out) != NULL;
 }
 
@@ -612,31 +612,31 @@ size_t patch_bay_save(const patch_bay *self, void *bytes, size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
     uint32_t count = self->plan ? self->plan->of.count : 0;
-    bytes_put_u32(&out, STORE_VERSION);
-    bytes_put_u32(&out, self->plan ? self->plan->sum : 0);
-    bytes_put_u32(&out, count);
+    bytes_write_u32(&out, STORE_VERSION);
+    bytes_write_u32(&out, self->plan ? self->plan->sum : 0);
+    bytes_write_u32(&out, count);
     for (uint32_t i = 0; i < count; ++i) {
         const patch_course *c = &self->course[i];
-        bytes_put_u32(&out, (c->is_heard ? IS_HEARD : 0u) | (c->is_caught ? IS_CAUGHT : 0u) |
-                                (c->was_down ? WAS_DOWN : 0u) |
-                                (self->may_speak[i] ? MAY_SPEAK : 0u) |
-                                (self->speaks[i] ? SPEAKS : 0u));
-        bytes_put_f64(&out, c->wanted);
-        bytes_put_f64(&out, c->value);
-        bytes_put_f64(&out, c->under);
+        bytes_write_u32(&out, (c->is_heard ? IS_HEARD : 0u) | (c->is_caught ? IS_CAUGHT : 0u) |
+                                  (c->was_down ? WAS_DOWN : 0u) |
+                                  (self->may_speak[i] ? MAY_SPEAK : 0u) |
+                                  (self->speaks[i] ? SPEAKS : 0u));
+        bytes_write_f64(&out, c->wanted);
+        bytes_write_f64(&out, c->value);
+        bytes_write_f64(&out, c->under);
     }
-    bytes_put_u32(&out, self->is_fading);
-    bytes_put_u32(&out, self->side);
-    bytes_put_f64(&out, self->fade_s);
+    bytes_write_u32(&out, self->is_fading);
+    bytes_write_u32(&out, self->side);
+    bytes_write_f64(&out, self->fade_s);
     for (int k = 0; k < PATCH_PULLS; ++k) {
         put_pull(&out, &self->pull[k]);
         put_pull(&out, &self->leaving[k]);
     }
     if (self->shape_count > 0) /* bytes of patches without shapes end here */
-        bytes_put_u32(&out, self->shape_count);
+        bytes_write_u32(&out, self->shape_count);
     for (int k = 0; k < PATCH_PULLS; ++k) {
-        bytes_put(&out, self->shape[k], self->shape_count * sizeof(float));
-        bytes_put(&out, self->leaving_shape[k], self->shape_count * sizeof(float));
+        bytes_write(&out, self->shape[k], self->shape_count * sizeof(float));
+        bytes_write(&out, self->leaving_shape[k], self->shape_count * sizeof(float));
     }
     return out.size;
 }
@@ -644,25 +644,25 @@ size_t patch_bay_save(const patch_bay *self, void *bytes, size_t capacity)
 static void take_course(bytes_in *in, patch_bay *self, uint32_t i)
 {
     patch_course *c = &self->course[i];
-    uint32_t flags = bytes_take_u32(in);
+    uint32_t flags = bytes_read_u32(in);
     in->failed |= flags >= FLAGS;
     c->is_heard = (flags & IS_HEARD) != 0;
     c->is_caught = (flags & IS_CAUGHT) != 0;
     c->was_down = (flags & WAS_DOWN) != 0;
     self->may_speak[i] = (flags & MAY_SPEAK) != 0;
     self->speaks[i] = (flags & SPEAKS) != 0;
-    c->wanted = bytes_take_f64(in);
-    c->value = bytes_take_f64(in);
-    c->under = bytes_take_f64(in);
+    c->wanted = bytes_read_f64(in);
+    c->value = bytes_read_f64(in);
+    c->under = bytes_read_f64(in);
 }
 
 static void take_shapes(bytes_in *in, patch_bay *self)
 {
-    uint32_t count = bytes_take_u32(in);
+    uint32_t count = bytes_read_u32(in);
     in->failed |= count == 0 || count > FACE_SHAPES_MAX;
     for (int k = 0; k < 2 * PATCH_PULLS && !in->failed; ++k) {
         float *shapes = k % 2 ? self->leaving_shape[k / 2] : self->shape[k / 2];
-        bytes_take(in, shapes, count * sizeof *shapes);
+        bytes_read(in, shapes, count * sizeof *shapes);
         for (uint32_t i = 0; i < count; ++i)
             in->failed |= isinf(shapes[i]);
     }
@@ -674,14 +674,14 @@ bool patch_bay_load(patch_bay *self, const void *bytes, size_t size)
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
     uint32_t count = self->plan ? self->plan->of.count : 0;
     patch_bay_reset(self);
-    in.failed |= bytes_take_u32(&in) != STORE_VERSION;
-    in.failed |= bytes_take_u32(&in) != (self->plan ? self->plan->sum : 0);
-    in.failed |= bytes_take_u32(&in) != count;
+    in.failed |= bytes_read_u32(&in) != STORE_VERSION;
+    in.failed |= bytes_read_u32(&in) != (self->plan ? self->plan->sum : 0);
+    in.failed |= bytes_read_u32(&in) != count;
     for (uint32_t i = 0; i < count && !in.failed; ++i)
         take_course(&in, self, i);
-    self->is_fading = bytes_take_u32(&in) != 0;
-    self->side = bytes_take_u32(&in);
-    self->fade_s = bytes_take_f64(&in);
+    self->is_fading = bytes_read_u32(&in) != 0;
+    self->side = bytes_read_u32(&in);
+    self->fade_s = bytes_read_f64(&in);
     in.failed |= self->side > 1 || !(self->fade_s >= 0.0);
     for (int k = 0; k < PATCH_PULLS && !in.failed; ++k) {
         take_pull(&in, &self->guard, &self->pull[k]);

@@ -220,7 +220,7 @@ size_t performer_save(performer *self, void *bytes, size_t capacity)
     size_t face_size = composer_save(self->composer, NULL, 0);
     if (layer_size == 0)
         return 0;
-    bytes_put_u32(&out, (uint32_t)layer_size);
+    bytes_write_u32(&out, (uint32_t)layer_size);
     if (out.data && out.size + layer_size + face_size <= out.capacity) {
         layer_save(of, out.data + out.size, layer_size);
         composer_save(self->composer, out.data + out.size + layer_size, face_size);
@@ -232,7 +232,7 @@ mrt_result performer_load(performer *self, const void *bytes, size_t size, error
 {
     layer *of = self->voice[0].layer;
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
-    size_t layer_size = bytes_take_u32(&in);
+    size_t layer_size = bytes_read_u32(&in);
     composer_reset(self->composer);
     if (in.failed || layer_size > (size_t)(in.end - in.at)) {
         layer_reset(of);
@@ -253,7 +253,7 @@ size_t performer_save_pulled(performer *self, void *bytes, size_t capacity)
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
     const size_t held = pointer_save(p, NULL, 0),
                  face_size = composer_save(self->composer, NULL, 0);
-    bytes_put_u32(&out, (uint32_t)held);
+    bytes_write_u32(&out, (uint32_t)held);
     if (out.data && out.size + held + face_size <= out.capacity) {
         pointer_save(p, out.data + out.size, held);
         composer_save(self->composer, out.data + out.size + held, face_size);
@@ -264,7 +264,7 @@ size_t performer_save_pulled(performer *self, void *bytes, size_t capacity)
 mrt_result performer_load_pulled(performer *self, const void *bytes, size_t size, error *err)
 {
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
-    const size_t held = bytes_take_u32(&in), left = (size_t)(in.end - in.at);
+    const size_t held = bytes_read_u32(&in), left = (size_t)(in.end - in.at);
     if (in.failed || held > left || !layer_set_pointer(self->voice[0].layer, in.at, held))
         return error_set(err, MRT_ERR_FORMAT, "what was pulled is not of this face");
     return composer_load(self->composer, in.at + held, left - held, err);

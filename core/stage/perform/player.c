@@ -147,10 +147,10 @@ static void tell_incidents(player_loop *self)
 {
     input_incident incident;
     for (uint32_t i = 0; i < self->input_count; ++i)
-        while (input_take_incident(self->inputs[i], &incident)) {
+        while (input_pop_incident(self->inputs[i], &incident)) {
             int64_t from_ns = self->started ? self->start_ns : self->begin_ns;
-            self->report.went_count += incident.kind == INPUT_WENT;
-            self->report.came_count += incident.kind == INPUT_CAME;
+            self->report.went_count += incident.kind == INPUT_WAS_LOST;
+            self->report.came_count += incident.kind == INPUT_IS_BACK;
             self->report.away_s += (double)incident.away_ns / 1e9;
             if (self->events.incident)
                 self->events.incident(self->events.data, self->inputs[i], &incident,

@@ -316,45 +316,45 @@ bool pointer_read(pointer *self, const mrt_face *about, const sample_step *s, in
 
 static void put_pull(bytes_out *out, const mrt_pull *p)
 {
-    bytes_put(out, p, offsetof(mrt_pull, vector));
-    bytes_put(out, p->vector, p->count * sizeof *p->vector);
+    bytes_write(out, p, offsetof(mrt_pull, vector));
+    bytes_write(out, p->vector, p->count * sizeof *p->vector);
 }
 
 static void take_pull(bytes_in *in, mrt_pull *out)
 {
     *out = guard_idle();
-    bytes_take(in, out, offsetof(mrt_pull, vector));
+    bytes_read(in, out, offsetof(mrt_pull, vector));
     if (out->count > POINTER_STAYING_MAX + 1 || out->mode > MRT_UNANCHORED) {
         in->failed = true;
         out->count = 0;
     }
-    bytes_take(in, out->vector, out->count * sizeof *out->vector);
+    bytes_read(in, out->vector, out->count * sizeof *out->vector);
 }
 
 size_t pointer_save(const pointer *self, void *bytes, size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
-    bytes_put_u32(&out, STORE_VERSION);
-    bytes_put_u32(&out, self->is_known);
-    bytes_put(&out, &self->time_ns, sizeof self->time_ns);
-    bytes_put_u32(&out, (uint32_t)self->grip);
-    bytes_put_u32(&out, self->stays);
-    bytes_put_f64(&out, to_double(self->radius_mm));
-    bytes_put_vec3(&out, self->held_rest);
-    bytes_put_vec3(&out, self->held_at);
-    bytes_put_vec3(&out, self->at);
-    bytes_put_u32(&out, self->held);
-    bytes_put_u32(&out, self->restores);
-    bytes_put_f64(&out, self->restores_s);
-    bytes_put_u32(&out, self->count);
+    bytes_write_u32(&out, STORE_VERSION);
+    bytes_write_u32(&out, self->is_known);
+    bytes_write(&out, &self->time_ns, sizeof self->time_ns);
+    bytes_write_u32(&out, (uint32_t)self->grip);
+    bytes_write_u32(&out, self->stays);
+    bytes_write_f64(&out, to_double(self->radius_mm));
+    bytes_write_vec3(&out, self->held_rest);
+    bytes_write_vec3(&out, self->held_at);
+    bytes_write_vec3(&out, self->at);
+    bytes_write_u32(&out, self->held);
+    bytes_write_u32(&out, self->restores);
+    bytes_write_f64(&out, self->restores_s);
+    bytes_write_u32(&out, self->count);
     for (uint32_t i = 0; i < self->count; ++i) {
         const pointer_offset *o = &self->offset[i];
-        bytes_put_u32(&out, o->contact);
-        bytes_put_vec3(&out, o->rest);
-        bytes_put_vec3(&out, o->offset);
-        bytes_put_vec3(&out, o->from);
-        bytes_put_u32(&out, o->eases);
-        bytes_put_f64(&out, o->eased_s);
+        bytes_write_u32(&out, o->contact);
+        bytes_write_vec3(&out, o->rest);
+        bytes_write_vec3(&out, o->offset);
+        bytes_write_vec3(&out, o->from);
+        bytes_write_u32(&out, o->eases);
+        bytes_write_f64(&out, o->eased_s);
     }
     put_pull(&out, &self->pull);
     put_pull(&out, &self->places);
@@ -365,30 +365,30 @@ bool pointer_load(pointer *self, const void *bytes, size_t size)
 {
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
     pointer_reset(self);
-    in.failed |= bytes_take_u32(&in) != STORE_VERSION;
-    self->is_known = bytes_take_u32(&in) != 0;
-    bytes_take(&in, &self->time_ns, sizeof self->time_ns);
-    uint32_t grip = bytes_take_u32(&in);
+    in.failed |= bytes_read_u32(&in) != STORE_VERSION;
+    self->is_known = bytes_read_u32(&in) != 0;
+    bytes_read(&in, &self->time_ns, sizeof self->time_ns);
+    uint32_t grip = bytes_read_u32(&in);
     in.failed |= grip > POINTER_NEUTRAL;
     self->grip = (pointer_grip)grip;
-    self->stays = bytes_take_u32(&in) != 0;
-    self->radius_mm = (float)bytes_take_f64(&in);
-    self->held_rest = bytes_take_vec3(&in);
-    self->held_at = bytes_take_vec3(&in);
-    self->at = bytes_take_vec3(&in);
-    self->held = bytes_take_u32(&in);
-    self->restores = bytes_take_u32(&in) != 0;
-    self->restores_s = bytes_take_f64(&in);
-    uint32_t count = bytes_take_u32(&in);
+    self->stays = bytes_read_u32(&in) != 0;
+    self->radius_mm = (float)bytes_read_f64(&in);
+    self->held_rest = bytes_read_vec3(&in);
+    self->held_at = bytes_read_vec3(&in);
+    self->at = bytes_read_vec3(&in);
+    self->held = bytes_read_u32(&in);
+    self->restores = bytes_read_u32(&in) != 0;
+    self->restores_s = bytes_read_f64(&in);
+    uint32_t count = bytes_read_u32(&in);
     in.failed |= count > POINTER_STAYING_MAX + 1;
     for (uint32_t i = 0; i < count && !in.failed; ++i) {
         pointer_offset *o = &self->offset[self->count++];
-        o->contact = bytes_take_u32(&in);
-        o->rest = bytes_take_vec3(&in);
-        o->offset = bytes_take_vec3(&in);
-        o->from = bytes_take_vec3(&in);
-        o->eases = bytes_take_u32(&in) != 0;
-        o->eased_s = bytes_take_f64(&in);
+        o->contact = bytes_read_u32(&in);
+        o->rest = bytes_read_vec3(&in);
+        o->offset = bytes_read_vec3(&in);
+        o->from = bytes_read_vec3(&in);
+        o->eases = bytes_read_u32(&in) != 0;
+        o->eased_s = bytes_read_f64(&in);
     }
     take_pull(&in, &self->pull);
     take_pull(&in, &self->places);

@@ -279,9 +279,9 @@ static bool parse_checkpoint(kept_parts *out, const show_checkpoint *kept)
     if (!kept->bytes || kept->version < WITHOUT_TAUGHT || kept->version > REPLAY_CHECKPOINT_VERSION)
         return false;
     bytes_in in = {.at = kept->bytes, .end = (const unsigned char *)kept->bytes + kept->size};
-    bytes_take(&in, &out->show_offset_ns, sizeof out->show_offset_ns);
+    bytes_read(&in, &out->show_offset_ns, sizeof out->show_offset_ns);
     if (kept->version > WITHOUT_TAUGHT)
-        out->taught_size = bytes_take_u32(&in);
+        out->taught_size = bytes_read_u32(&in);
     if (in.failed || out->taught_size > (size_t)(in.end - in.at))
         return false;
     out->taught = in.at;
@@ -549,7 +549,7 @@ static mrt_result rewind_all(replay *self, error *err)
     return position(self, err);
 }
 
-/* Restores a state that replay_keep wrote. */
+/* Restores a state that replay_write_state wrote. */
 static mrt_result resume(replay *self, const kept_parts *kept, performer *into, error *err)
 {
     perform_alone(self, into);
@@ -559,8 +559,8 @@ static mrt_result resume(replay *self, const kept_parts *kept, performer *into, 
     return result;
 }
 
-mrt_result replay_recall(replay *self, int64_t time_ns, int64_t least_ns, performer *into,
-                         error *err)
+mrt_result replay_restore(replay *self, int64_t time_ns, int64_t least_ns, performer *into,
+                          error *err)
 {
     show_checkpoint kept;
     error ignored = {""};
@@ -596,7 +596,7 @@ mrt_result replay_recall(replay *self, int64_t time_ns, int64_t least_ns, perfor
 
 mrt_result replay_seek(replay *self, int64_t time_ns, error *err)
 {
-    mrt_result result = replay_recall(self, time_ns, INT64_MIN, self->world.scratch, err);
+    mrt_result result = replay_restore(self, time_ns, INT64_MIN, self->world.scratch, err);
     if (result == MRT_HOLD)
         result = rewind_all(self, err);
     if (result < 0)
@@ -710,7 +710,7 @@ mrt_result replay_answer_ahead(replay *self, int64_t until_ns, error *err)
 {
     const char *why = NULL;
     self->answers.is_given = false; /* call the mapping and store its answers */
-    mrt_result result = replay_recall(self, INT64_MAX, INT64_MIN, self->world.scratch, err);
+    mrt_result result = replay_restore(self, INT64_MAX, INT64_MIN, self->world.scratch, err);
     if (result == MRT_HOLD &&
         self->ahead_state.bytes) { /* the state cannot be loaded: perform from the start */
         self->is_same_plugin = false;
@@ -735,15 +735,15 @@ const char *replay_missing(const replay *self)
 
 /* ---- states ---- */
 
-size_t replay_keep(const instance *mapping, performer *of, int64_t show_offset_ns, void *bytes,
-                   size_t capacity)
+size_t replay_write_state(const instance *mapping, performer *of, int64_t show_offset_ns,
+                          void *bytes, size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
     size_t taught = taught_save(mapping, NULL, 0), size = of ? performer_save(of, NULL, 0) : 0;
     if (size == 0 && taught == 0)
         return 0;
-    bytes_put(&out, &show_offset_ns, sizeof show_offset_ns);
-    bytes_put_u32(&out, (uint32_t)taught);
+    bytes_write(&out, &show_offset_ns, sizeof show_offset_ns);
+    bytes_write_u32(&out, (uint32_t)taught);
     if (out.data && taught > 0 && taught <= out.capacity - out.size)
         (void)taught_save(mapping, out.data + out.size, taught);
     out.size += taught;
@@ -758,7 +758,7 @@ size_t replay_save(replay *self, void *bytes, size_t capacity)
     if (size == 0)
         return 0;
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
-    bytes_put(&out, &self->now_ns, sizeof self->now_ns);
+    bytes_write(&out, &self->now_ns, sizeof self->now_ns);
     if (out.data && out.size + size <= out.capacity)
         layer_save(self->layer, out.data + out.size, size);
     return out.size + size;
@@ -767,7 +767,7 @@ size_t replay_save(replay *self, void *bytes, size_t capacity)
 mrt_result replay_load(replay *self, const void *bytes, size_t size, error *err)
 {
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
-    bytes_take(&in, &self->now_ns, sizeof self->now_ns);
+    bytes_read(&in, &self->now_ns, sizeof self->now_ns);
     if (in.failed)
         return error_set(err, MRT_ERR_FORMAT, "the saved state of a performance is damaged");
     mrt_result result = layer_load(self->layer, in.at, (size_t)(in.end - in.at), err);

@@ -25,14 +25,14 @@ enum {
     REPLAY_CHECKPOINT_VERSION = 3,
     REPLAY_CHECKPOINT_BYTES = 4 << 20 /* plus the size of the face */
 };
-/* [frame] Writes the state of a performance that is being recorded, for replay_recall. It holds the
- * taught values of the mapping and, if `of` is not NULL, everything on which later frames of the
- * performer depend. Pass NULL if other layers move the face too. show_offset_ns: added to the
+/* [frame] Writes the state of a performance that is being recorded, for replay_restore. It holds
+ * the taught values of the mapping and, if `of` is not NULL, everything on which later frames of
+ * the performer depend. Pass NULL if other layers move the face too. show_offset_ns: added to the
  * clock, it gives show time. Writes at most `capacity` bytes and returns the size. 0: nothing to
  * store. */
 enum { REPLAY_STATE_MIN = TAUGHT_BYTES_MAX + 64 }; /* enough for the taught values alone */
-size_t replay_keep(const instance *mapping, performer *of, int64_t show_offset_ns, void *bytes,
-                   size_t capacity);
+size_t replay_write_state(const instance *mapping, performer *of, int64_t show_offset_ns,
+                          void *bytes, size_t capacity);
 
 typedef struct replay replay;
 
@@ -68,8 +68,8 @@ CHECKED mrt_result replay_seek(replay *self, int64_t time_ns, error *err);
 /* Restores the last state that was stored during the recording, for a time before time_ns and not
  * before least_ns. Afterwards voice 0 of `into` is its layer, and `into` has the face of that time.
  * MRT_HOLD: no such state exists, and nothing has changed. */
-CHECKED mrt_result replay_recall(replay *self, int64_t time_ns, int64_t least_ns, performer *into,
-                                 error *err);
+CHECKED mrt_result replay_restore(replay *self, int64_t time_ns, int64_t least_ns, performer *into,
+                                  error *err);
 
 /* ---- play from memory, where files and processes must not be used ---- */
 

@@ -391,15 +391,15 @@ static bool put_play(sequencer *self, bytes_out *out, uint32_t slot)
     size_t size = replay_save(p->replay, NULL, 0);
     if (size == 0)
         return false;
-    bytes_put_u32(out, slot);
-    bytes_put_u32(out, p->lane);
-    bytes_put_u32(out, p->clip->id);
-    bytes_put_u32(out, v->has_smooth);
+    bytes_write_u32(out, slot);
+    bytes_write_u32(out, p->lane);
+    bytes_write_u32(out, p->clip->id);
+    bytes_write_u32(out, v->has_smooth);
     if (v->has_smooth) {
-        bytes_put(out, &v->smooth_ns, sizeof v->smooth_ns);
-        bytes_put(out, &v->smooth, sizeof v->smooth);
+        bytes_write(out, &v->smooth_ns, sizeof v->smooth_ns);
+        bytes_write(out, &v->smooth, sizeof v->smooth);
     }
-    bytes_put_u32(out, (uint32_t)size);
+    bytes_write_u32(out, (uint32_t)size);
     if (out->data && out->size + size <= out->capacity)
         replay_save(p->replay, out->data + out->size, size);
     out->size += size;
@@ -413,7 +413,7 @@ static size_t put_all(sequencer *self, unsigned char *bytes, size_t capacity)
     uint32_t count = 0;
     for (uint32_t slot = 0; slot < PLAYS_MAX; ++slot)
         count += self->play[slot].replay != NULL;
-    bytes_put_u32(&out, count);
+    bytes_write_u32(&out, count);
     for (uint32_t slot = 0; slot < PLAYS_MAX; ++slot)
         if (self->play[slot].replay && !put_play(self, &out, slot))
             return 0;
@@ -434,19 +434,19 @@ static const take_clip *find_clip(const take *t, uint32_t lane, uint32_t id)
 
 static mrt_result take_play(sequencer *self, bytes_in *in, error *err)
 {
-    uint32_t slot = bytes_take_u32(in), lane = bytes_take_u32(in);
-    const take_clip *clip = find_clip(&self->take, lane, bytes_take_u32(in));
+    uint32_t slot = bytes_read_u32(in), lane = bytes_read_u32(in);
+    const take_clip *clip = find_clip(&self->take, lane, bytes_read_u32(in));
     if (in->failed || slot >= PLAYS_MAX || !clip)
         return error_set(err, MRT_ERR_FORMAT, "a checkpoint of the take is damaged");
     play *p = &self->play[slot];
     performer_voice *v = &self->performer->voice[slot];
     *p = (play){.of = self, .clip = clip, .lane = lane};
-    v->has_smooth = bytes_take_u32(in) != 0;
+    v->has_smooth = bytes_read_u32(in) != 0;
     if (v->has_smooth) {
-        bytes_take(in, &v->smooth_ns, sizeof v->smooth_ns);
-        bytes_take(in, &v->smooth, sizeof v->smooth);
+        bytes_read(in, &v->smooth_ns, sizeof v->smooth_ns);
+        bytes_read(in, &v->smooth, sizeof v->smooth);
     }
-    size_t size = bytes_take_u32(in);
+    size_t size = bytes_read_u32(in);
     if (in->failed || size > (size_t)(in->end - in->at))
         return error_set(err, MRT_ERR_FORMAT, "a checkpoint of the take is damaged");
     mrt_result result = open_replay(self, clip->performance, &p->replay, err);
@@ -464,7 +464,7 @@ static mrt_result take_up(sequencer *self, const checkpoint *m, error *err)
 {
     bytes_in in = {.at = m->bytes, .end = m->bytes + m->size};
     close_plays(self);
-    uint32_t count = bytes_take_u32(&in);
+    uint32_t count = bytes_read_u32(&in);
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; i < count && result >= 0; ++i)
         result = take_play(self, &in, err);
@@ -624,7 +624,7 @@ static mrt_result recall(sequencer *self, int64_t at_ns, int64_t better_than_ns,
     int64_t then_ns = clip->from_ns + take_warp_to_source(clip, at_ns - offset_ns);
     int64_t least_ns = clip->from_ns + take_warp_to_source(clip, better_than_ns - offset_ns);
     mrt_result result =
-        replay_recall(self->play[0].replay, then_ns + 1, least_ns, self->performer, err);
+        replay_restore(self->play[0].replay, then_ns + 1, least_ns, self->performer, err);
     if (result != MRT_OK)
         return result;
     self->now_ns =

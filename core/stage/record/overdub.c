@@ -525,7 +525,7 @@ static mrt_result create(overdub *self, error *err)
     if (result >= 0)
         result = sequencer_seek(self->sequencer, self->run.start_ns, err);
     if (result >= 0) {
-        taught_recall(s->recorder.show, s->recorder.mapping, s->recorder.log);
+        taught_restore(s->recorder.show, s->recorder.mapping, s->recorder.log);
         result = create_live(self, err);
     }
     if (result >= 0)

@@ -371,7 +371,7 @@ static void share_tracks(recorder_cast *old, recorder_cast *cast)
     memset(cast->is_kept, 0, sizeof cast->is_kept);
 }
 
-void recorder_leave(recorder *self)
+void recorder_unwatch(recorder *self)
 {
     if (self->watched)
         self->watched->on_param = NULL;
@@ -382,7 +382,7 @@ recorder_cast *recorder_change(recorder *self, recorder_cast *cast)
 {
     recorder_cast *old = self->cast;
     share_tracks(old, cast);
-    recorder_leave(self);
+    recorder_unwatch(self);
     self->cast = cast;
     self->is_to_begin = true;
     return old;
@@ -471,7 +471,7 @@ mrt_result recorder_stop(recorder *self, error *err)
     mrt_result result = MRT_OK;
     if (!self)
         return MRT_OK;
-    recorder_leave(self);
+    recorder_unwatch(self);
     if (self->is_take_open)
         result = recorder_take_end(self, err);
     if (self->writer && self->has_begun && result >= 0)
@@ -489,7 +489,7 @@ mrt_result recorder_stop(recorder *self, error *err)
 static const int64_t code_lasts_ns = NS_PER_S / 2;
 static const double fps_least = 10.0, fps_most = 120.0;
 
-recorder_code recorder_code_heard(const recorder *self)
+recorder_code recorder_latest_code(const recorder *self)
 {
     return self->code;
 }
@@ -617,7 +617,8 @@ static void store_state(recorder *self, int64_t time_ns)
     if (!buffer)
         return; /* the disk is too slow: skip this state */
     int64_t offset_ns = writer_show_ns(self->writer, 0);
-    size_t size = replay_keep(cast->layer->mapping, cast->performer, offset_ns, buffer, capacity);
+    size_t size =
+        replay_write_state(cast->layer->mapping, cast->performer, offset_ns, buffer, capacity);
     bool fits = size > 0 && size <= capacity;
     writer_checkpoint(self->writer, cast->performance.id, time_ns, REPLAY_CHECKPOINT_VERSION,
                       buffer, fits ? size : 0);
@@ -707,7 +708,7 @@ static void note_performed(recorder *self)
     for (uint32_t i = 0; i < cast->input_count; ++i)
         if (cast->arrivals[i])
             writer_arrivals_performed(self->writer, cast->arrivals[i]->place,
-                                      input_taken(cast->inputs[i]));
+                                      input_popped_count(cast->inputs[i]));
 }
 
 void recorder_step(recorder *self, const sample_step *s)
@@ -768,7 +769,7 @@ void recorder_change_mapping(recorder *self, const char *identity)
 void recorder_incident(recorder *self, uint32_t from, const input_incident *what)
 {
     take_event event = {.time_ns = what->time_ns,
-                        .kind = what->kind == INPUT_WENT ? TAKE_EVENT_WENT : TAKE_EVENT_CAME,
+                        .kind = what->kind == INPUT_WAS_LOST ? TAKE_EVENT_WENT : TAKE_EVENT_CAME,
                         .track = self->cast->track[from]};
     snprintf(event.text, sizeof event.text, "%.90s", what->text);
     writer_event(self->writer, &event);

@@ -57,7 +57,7 @@ CHECKED mrt_result recorder_prepare(recorder *self, const recorder_settings *now
 recorder_cast *recorder_change(recorder *self, recorder_cast *cast);
 /* [frame] Call after the last sample. Stops watching the layer's parameters, so that the layer can
  * be destroyed. */
-void recorder_leave(recorder *self);
+void recorder_unwatch(recorder *self);
 /* Frees a cast that recorder_change returned or that was never used. Its inputs must still
  * exist. */
 void recorder_dismiss(recorder *self, recorder_cast *cast);
@@ -71,7 +71,7 @@ typedef struct recorder_code {
     double fps;
     bool is_drop;
 } recorder_code;
-recorder_code recorder_code_heard(const recorder *self);
+recorder_code recorder_latest_code(const recorder *self);
 /* Returns the frame of the time code at a time. < 0: the time code does not run then. It counts as
  * stopped half a second after its last sample, and before its start. */
 double recorder_code_at(const recorder_code *self, int64_t time_ns);

@@ -243,7 +243,7 @@ sound_motion sound_motion_of(const transport *t, int64_t clock_ns)
 int64_t sound_lead_ns(sound *self)
 {
     /* the latency of the device, and two rounds of the feeder */
-    return sound_device_look(self->out)->stream.latency_ns + 50 * NS_PER_MS;
+    return sound_device_read_status(self->out)->stream.latency_ns + 50 * NS_PER_MS;
 }
 
 /* ---- status ---- */
@@ -272,9 +272,9 @@ static void explain_silence(sound *self, sound_play_status *out)
                  out->device.stream.channel_count, self->playback->channel_count);
 }
 
-void sound_play_look(sound *self, sound_play_status *out)
+void sound_play_read_status(sound *self, sound_play_status *out)
 {
-    *out = (sound_play_status){.device = *sound_device_look(self->out),
+    *out = (sound_play_status){.device = *sound_device_read_status(self->out),
                                .is_loaded = self->audio.audio != 0,
                                .click_count = atomic_load(&self->click.count)};
     if (self->playback) {
@@ -289,13 +289,13 @@ void sound_play_look(sound *self, sound_play_status *out)
     explain_silence(self, out);
 }
 
-void sound_in_look(sound *self, sound_in_status *out)
+void sound_in_read_status(sound *self, sound_in_status *out)
 {
     *out = (sound_in_status){.record = self->recorded};
     if (self->in)
-        out->device = *sound_device_look(self->in);
+        out->device = *sound_device_read_status(self->in);
     if (self->record)
-        sound_record_look(self->record, &out->record);
+        sound_record_read_status(self->record, &out->record);
 }
 
 /* ---- recording ---- */
@@ -348,7 +348,7 @@ static bool end_recording(sound *self)
     self->in = NULL;
     if (self->record) {
         sound_record_end(self->record);
-        sound_record_look(self->record, &self->recorded);
+        sound_record_read_status(self->record, &self->recorded);
     }
     sound_record_destroy(self->record);
     self->record = NULL;

@@ -57,7 +57,7 @@ typedef struct sound_play_status {
     uint32_t starved_count, broken_count;
     char text[256]; /* reason why a loaded sound is silent, or which part is damaged; "": none */
 } sound_play_status;
-void sound_play_look(sound *self, sound_play_status *out);
+void sound_play_read_status(sound *self, sound_play_status *out);
 
 /* ---- recording ---- */
 
@@ -71,6 +71,6 @@ typedef struct sound_in_status {
     sound_device_status device;
     sound_record_status record; /* of the newest recording */
 } sound_in_status;
-void sound_in_look(sound *self, sound_in_status *out);
+void sound_in_read_status(sound *self, sound_in_status *out);
 
 #endif

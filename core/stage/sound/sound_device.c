@@ -181,7 +181,7 @@ static bool is_same(const want *a, const want *b)
 
 static void read_want(sound_device *self)
 {
-    if (!slot_take(&self->want_slot))
+    if (!slot_receive(&self->want_slot))
         return;
     want newest = self->wants[slot_front(&self->want_slot)];
     if (is_same(&newest, &self->want))
@@ -252,9 +252,9 @@ bool sound_device_has_left(sound_device *self)
     return has;
 }
 
-const sound_device_status *sound_device_look(sound_device *self)
+const sound_device_status *sound_device_read_status(sound_device *self)
 {
-    (void)slot_take(&self->status_slot);
+    (void)slot_receive(&self->status_slot);
     return &self->statuses[slot_front(&self->status_slot)];
 }
 

@@ -89,7 +89,7 @@ void sound_device_want(sound_device *self, const sound_request *request);
 void sound_device_leave(sound_device *self);
 bool sound_device_has_left(sound_device *self);
 /* Valid until the next call. */
-const sound_device_status *sound_device_look(sound_device *self);
+const sound_device_status *sound_device_read_status(sound_device *self);
 /* [opener] Does one round. Returns the latest time of the next one. */
 int64_t sound_device_work(sound_device *self, int64_t now_ns);
 

@@ -176,7 +176,7 @@ static void read_motion(sound_feed *self)
 {
     sound_motion newest;
     if (!sound_board_read(self->board, &newest) ||
-        sound_follow_key(&newest) == sound_follow_key(&self->motion))
+        sound_motion_key(&newest) == sound_motion_key(&self->motion))
         return;
     self->motion = newest;
     self->next = 0;
@@ -188,7 +188,7 @@ static void catch_up(sound_feed *self)
 {
     uint64_t key = atomic_load_explicit(&self->follow->wanted_key, memory_order_acquire);
     int64_t wanted = atomic_load_explicit(&self->follow->wanted, memory_order_relaxed);
-    if (key != sound_follow_key(&self->motion) || wanted <= self->next + SOUND_PACKET_FRAMES)
+    if (key != sound_motion_key(&self->motion) || wanted <= self->next + SOUND_PACKET_FRAMES)
         return;
     self->next = wanted;
     self->is_owed = false;

@@ -10,7 +10,7 @@ enum { BEHIND_FRAMES = 4096 };
 
 /* ---- the board ---- */
 
-uint64_t sound_follow_key(const sound_motion *motion)
+uint64_t sound_motion_key(const sound_motion *motion)
 {
     return (uint64_t)motion->edition << 32 | motion->revision;
 }
@@ -79,7 +79,7 @@ static void look_for_motion(sound_follow *self)
 {
     /* if it fails, the next block tries again */
     (void)sound_board_read(self->board, &self->newest);
-    if (sound_follow_key(&self->newest) == sound_follow_key(&self->motion))
+    if (sound_motion_key(&self->newest) == sound_motion_key(&self->motion))
         return;
     if (self->is_sounding)
         self->is_ending = true;
@@ -292,7 +292,7 @@ static void play_frame(sound_follow *self, float *out, uint32_t out_channels, do
 static void publish_state(sound_follow *self, double target)
 {
     atomic_store_explicit(&self->wanted, (int64_t)floor(target), memory_order_relaxed);
-    atomic_store_explicit(&self->wanted_key, sound_follow_key(&self->motion), memory_order_release);
+    atomic_store_explicit(&self->wanted_key, sound_motion_key(&self->motion), memory_order_release);
     atomic_store_explicit(&self->count.drift_ppb,
                           (int32_t)(sound_clock_drift_ppm(&self->clock) * 1000.0),
                           memory_order_relaxed);
@@ -314,8 +314,8 @@ void sound_follow_fill(sound_follow *self, float *out, uint32_t count, uint32_t 
     double target = 0.0, pace = 1.0 + self->clock.stretch;
     for (uint32_t i = 0; i < count; ++i, target += pace) {
         /* also after a change of the motion within the block */
-        if (i == 0 || sound_follow_key(&self->motion) != key) {
-            key = sound_follow_key(&self->motion);
+        if (i == 0 || sound_motion_key(&self->motion) != key) {
+            key = sound_motion_key(&self->motion);
             target = target_of(self, self->device_frame + i);
             collect(self, target);
         }

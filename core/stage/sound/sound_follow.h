@@ -80,7 +80,7 @@ typedef struct sound_follow {
     bool is_sounding, is_correcting;
     bool is_leaving;                 /* fading out because its position is lost */
     double band_frames, jump_frames; /* limits, see above; tests may widen them */
-    _Atomic uint64_t wanted_key;     /* [any] sound_follow_key() of the motion .. */
+    _Atomic uint64_t wanted_key;     /* [any] sound_motion_key() of the motion .. */
     _Atomic int64_t wanted;          /* .. that needs this frame next */
     sound_count count;
 } sound_follow;
@@ -93,7 +93,7 @@ CHECKED mrt_result sound_follow_init(sound_follow *self, uint32_t rate_hz, uint3
 void sound_follow_finish(sound_follow *self); /* accepts zeroed */
 /* [main] or the device's opener: restarts at this rate. */
 void sound_follow_reset(sound_follow *self, uint32_t rate_hz);
-uint64_t sound_follow_key(const sound_motion *motion);
+uint64_t sound_motion_key(const sound_motion *motion);
 
 /* Fills `count` frames with out_channels channels. The first frame is heard at time_ns. is_broken:
  * an underrun happened before the block. */

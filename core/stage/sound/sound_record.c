@@ -292,7 +292,7 @@ void sound_record_update(sound_record *self)
     mark_gaps(self);
 }
 
-void sound_record_look(sound_record *self, sound_record_status *out)
+void sound_record_read_status(sound_record *self, sound_record_status *out)
 {
     uint32_t bits = atomic_exchange(&self->peak, 0);
     *out = (sound_record_status){.audio = self->audio_made,

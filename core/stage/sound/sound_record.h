@@ -16,7 +16,7 @@ typedef struct sound_record_status {
     uint64_t lost_frames; /* number of missing frames */
     uint32_t gap_count;
     double drift_ppm; /* > 0: the device runs fast */
-    float peak;       /* 0..1, since the last sound_record_look */
+    float peak;       /* 0..1, since the last sound_record_read_status */
     char text[256];   /* error; "": none */
 } sound_record_status;
 
@@ -28,7 +28,7 @@ void sound_record_destroy(sound_record *self);
 /* Creates the row of the sound in the show after the first block, and sets a mark at each gap. Call
  * it often: the ring holds about ten seconds. */
 void sound_record_update(sound_record *self);
-void sound_record_look(sound_record *self, sound_record_status *out);
+void sound_record_read_status(sound_record *self, sound_record_status *out);
 /* Writes everything received so far. Blocks must not arrive during or after this call. */
 void sound_record_end(sound_record *self);
 

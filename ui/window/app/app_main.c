@@ -465,7 +465,7 @@ void app_update(app *self, double dt_s)
     self->wanted_s = HUGE_VAL;
     take_inputs(self);
     live_update(self->live);
-    (void)live_look(self->live, &newest);
+    (void)live_read_view(self->live, &newest);
     if (newest)
         self->view = newest;
     live_status_of(self->live, &self->status);

@@ -877,7 +877,7 @@ static void begin_over(app *self)
     over.preroll_ns = (int64_t)(lead.preroll_s * 1e9);
     self->over_take = live_shown_take(self->live);
     self->over_is_ended = false;
-    if (app_report(self, live_record_over(self->live, &over, &err), &err) < 0)
+    if (app_report(self, live_overdub_start(self->live, &over, &err), &err) < 0)
         self->over_take = 0;
     else
         lead_in(self, lead.count_in_s + fmin(lead.preroll_s, 1e-9 * (double)over.in_ns), false);
@@ -941,7 +941,7 @@ static void take_over(app *self)
     edit *edits = NULL;
     uint32_t count = 0;
     error err = {0};
-    const bool is_there = live_take_over(self->live, &edits, &count, &err);
+    const bool is_there = live_overdub_edits(self->live, &edits, &count, &err);
     if (!is_there && !err.text[0])
         return; /* it goes on */
     self->over_take = 0;

@@ -88,7 +88,7 @@ static void give(expressions *self, feed_activity activity)
     float value[MRT_MAX_CHANNELS] = {0};
     for (uint32_t i = 0; i < self->count; ++i)
         value[i] = (float)self->item[i].now;
-    feed_give(self->feed, value, activity);
+    feed_push(self->feed, value, activity);
     self->is_moving = activity == FEED_MOVES;
 }
 

@@ -77,7 +77,7 @@ static void request_for(input_request *out, const device_found *found)
 static void open_what_is_ready(opening_job *self)
 {
     error err = {0};
-    if (device_list_look(&self->found, self->plugins, self->log, NULL, &err) < 0) {
+    if (device_list_scan(&self->found, self->plugins, self->log, NULL, &err) < 0) {
         log_push(self->log, MRT_LOG_WARNING, "devices", err.text);
         return;
     }

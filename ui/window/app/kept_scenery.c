@@ -272,7 +272,7 @@ kept_scenery *kept_scenery_create(app *of)
     if (!self)
         return NULL;
     self->of = of;
-    self->now = self->kept = scenery_usual();
+    self->now = self->kept = scenery_default();
     return self;
 }
 

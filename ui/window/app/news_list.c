@@ -72,7 +72,7 @@ void news_list_update(news_list *self, log_queue *from, double dt_s)
     while (from && log_pop(from, &record))
         if (record.level > MRT_LOG_DEBUG)
             news_list_add(self, record.level, record.source, record.text);
-    const uint32_t lost = from ? log_take_lost(from) : 0;
+    const uint32_t lost = from ? log_pop_lost(from) : 0;
     if (lost) {
         char text[80];
         (void)snprintf(text, sizeof text, "%u messages were lost, because there were too many",

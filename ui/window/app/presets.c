@@ -124,7 +124,7 @@ mrt_result presets_taught(const char *text, unsigned char **out, size_t *out_siz
     if (!taught)
         return MRT_OK;
     char *bytes = strlen(taught) <= 2 * PRESET_TAUGHT_MAX ? strdup(taught) : NULL;
-    size_t size = bytes ? taught_of_text(bytes) : 0;
+    size_t size = bytes ? taught_parse_text(bytes) : 0;
     if (size == 0) {
         free(bytes);
         return error_set(err, MRT_ERR_FORMAT, "the learned data of the preset is damaged");

@@ -443,7 +443,7 @@ static bool wait_for_picture(window_output *self, uint32_t *out_width, uint32_t 
 
 static void show(window_output *self, const window_fill *fill, uint32_t width, uint32_t height)
 {
-    if (!slot_take(&self->slot))
+    if (!slot_receive(&self->slot))
         return;
     picture *one = &self->picture[slot_front(&self->slot)];
     if (one->filled)

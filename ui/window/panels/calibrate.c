@@ -44,7 +44,7 @@ static mrt_result calibrate_guide_begin(calibrate_guide *out, const mrt_channel 
     const glove_channels *glove = &out->glove;
     guide_settings how = glove->input[0]
                              ? guide_settings_bare(glove->side, glove->sensors, glove->input)
-                             : guide_settings_usual(glove->side, glove->sensors);
+                             : guide_settings_default(glove->side, glove->sensors);
     out->guide = guide_create(&how);
     return out->guide ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for the guide");
 }
@@ -246,7 +246,7 @@ bool calibrate_panel_open(calibrate_panel *self, uint32_t index, uint32_t side, 
     return true;
 }
 
-const char *calibrate_panel_take_kept(calibrate_panel *self, uint32_t *out_side)
+const char *calibrate_panel_pop_saved(calibrate_panel *self, uint32_t *out_side)
 {
     if (!self->has_kept)
         return NULL;
@@ -298,7 +298,7 @@ void calibrate_panel_update(calibrate_panel *self)
         return;
     }
     app_want_frame(self->app, 0.0);
-    for (int i = 0; i < PER_FRAME && live_take_tapped(app_live(self->app), &sample); ++i)
+    for (int i = 0; i < PER_FRAME && live_pop_tapped(app_live(self->app), &sample); ++i)
         calibrate_guide_sample(&self->guide, &sample);
 }
 
@@ -314,7 +314,7 @@ static void draw_steps(const calibrate_panel *self, ui *on)
     float y = at.where.y + 10.0f;
     int count, number = guide_number(self->guide.guide, &count), column = 0;
     for (int step = 0; step < GUIDE_STEPS; ++step) {
-        if (!guide_asks(self->guide.guide, (guide_step)step))
+        if (!guide_is_requested(self->guide.guide, (guide_step)step))
             continue;
         float x = at.where.x + 8.0f + gap * (float)column++;
         if (step == (int)now)
@@ -402,14 +402,14 @@ static void draw_words(const calibrate_panel *self, ui *on)
 {
     guide_step step = guide_current(self->guide.guide);
     const char *waits = self->is_away ? "waiting for the hand: no samples arrive"
-                                      : guide_wait_words[guide_waiting(self->guide.guide)];
+                                      : guide_wait_text[guide_waiting(self->guide.guide)];
     char name[64];
     (void)snprintf(name, sizeof name, "%s", guide_step_name[step]);
     if (name[0] >= 'a' && name[0] <= 'z')
         name[0] = (char)(name[0] - 'a' + 'A');
     ui_text(on, UI_STYLE_TITLE, name);
     ui_scroll_begin(on, "words", 0.0f, 60.0f);
-    ui_text_wrapped(on, UI_STYLE_BODY, guide_words(self->guide.guide));
+    ui_text_wrapped(on, UI_STYLE_BODY, guide_instruction(self->guide.guide));
     ui_scroll_end(on);
     ui_text(on, self->is_away ? UI_STYLE_WARNING : UI_STYLE_STRONG, waits);
 }

@@ -18,6 +18,6 @@ void calibrate_panel_update(calibrate_panel *self);
 /* Draws the dialog. Call it in each frame of the devices panel. */
 void calibrate_panel_draw(calibrate_panel *self, ui *on);
 /* Returns the path of a newly saved calibration once, then NULL. Valid until the next call. */
-const char *calibrate_panel_take_kept(calibrate_panel *self, uint32_t *out_side);
+const char *calibrate_panel_pop_saved(calibrate_panel *self, uint32_t *out_side);
 
 #endif

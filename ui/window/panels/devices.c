@@ -212,7 +212,7 @@ static void look(devices_search *self)
     error err = {""};
     findings *made = &self->made;
     *made = (findings){.is_known = true};
-    if (device_list_look(&made->devices, self->plugins, self->log, &self->already_logged, &err) < 0)
+    if (device_list_scan(&made->devices, self->plugins, self->log, &self->already_logged, &err) < 0)
         made->note = err;
     error note = {""};
     if (calibration_folder_list(&made->calibrations, &note, &err) < 0)
@@ -1080,7 +1080,7 @@ static void update(panel *self, double dt_s)
         use_camera(self);
     follow_camera(self);
     calibrate_panel_update(self->calibrate);
-    const char *kept = calibrate_panel_take_kept(self->calibrate, &side);
+    const char *kept = calibrate_panel_pop_saved(self->calibrate, &side);
     if (!kept)
         return;
     calibrate(self, side, kept);

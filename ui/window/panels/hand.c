@@ -210,7 +210,7 @@ static void follow_hand(panel *self, double dt_s)
         is_still &= fabsf(now - self->steady_rad[i]) < still_rad;
     }
     self->still_s = is_still ? self->still_s + dt_s : 0.0;
-    hand_lights_look(&self->lights, self->line, self->line_count, hand, dt_s);
+    hand_lights_update(&self->lights, self->line, self->line_count, hand, dt_s);
     if (is_hand_moving(self))
         app_want_frame(self->app, 0.0);
 }
@@ -274,7 +274,7 @@ static void follow_goal(panel *self, double dt_s)
     measure(self, step_now(self));
     self->cheer_s += dt_s;
     if (self->tab == TAB_SAY_IT && self->says && self->is_measured && self->is_present &&
-        say_it_look(&self->say, &self->how, dt_s))
+        say_it_update(&self->say, &self->how, dt_s))
         self->cheer_s = 0.0;
 }
 
@@ -618,7 +618,7 @@ static void draw_progress(panel *self, ui *on)
     char words[96];
     double took_s;
     uint32_t of;
-    const uint32_t met = say_it_met(&self->say, &of, &took_s);
+    const uint32_t met = say_it_progress(&self->say, &of, &took_s);
     if (met > 0)
         (void)snprintf(words, sizeof words, "%u of %u done, %.1f s each", met, of,
                        took_s / (double)met);
@@ -688,7 +688,7 @@ static void begin_teaching(panel *self, const instance *mapping)
     const lesson_params at = lesson_params_of(mapping->type);
     uint32_t count = 0;
     for (uint32_t i = 0; i < GOAL_FACES && count < SIMON_FACES_MAX; ++i) {
-        if (!goal_is_there(&goals[i], self->rig) ||
+        if (!goal_is_available(&goals[i], self->rig) ||
             !find_label(&mapping->type->params[at.face], goals[i].name, &self->face_label[count]))
             continue;
         self->face_goal[count++] = i;

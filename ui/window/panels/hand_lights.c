@@ -61,8 +61,8 @@ static float strength_of(const mrt_card_line *line, const mrt_hand *hand,
     return way < 0.0f ? -backwards * way : way;
 }
 
-void hand_lights_look(hand_lights *self, const mrt_card_line *line, uint32_t count,
-                      const mrt_hand *hand, double dt_s)
+void hand_lights_update(hand_lights *self, const mrt_card_line *line, uint32_t count,
+                        const mrt_hand *hand, double dt_s)
 {
     float strength[HAND_LIGHTS_MAX] = {0.0f}, strongest = 0.0f;
     const double dt = dt_s > 0.0 ? dt_s : 0.0;

@@ -23,7 +23,7 @@ typedef struct hand_lights {
 
 void hand_lights_begin(hand_lights *self);
 /* Updates the levels. Call it once for each drawn frame. Without a hand no line is lit. */
-void hand_lights_look(hand_lights *self, const mrt_card_line *line, uint32_t count,
-                      const mrt_hand *hand, double dt_s);
+void hand_lights_update(hand_lights *self, const mrt_card_line *line, uint32_t count,
+                        const mrt_hand *hand, double dt_s);
 
 #endif

@@ -421,7 +421,7 @@ static void remember(learn *self, const mrt_hand hand[2])
         self->count += 1;
 }
 
-void learn_look(learn *self, const mrt_hand hand[2], double dt_s)
+void learn_update(learn *self, const mrt_hand hand[2], double dt_s)
 {
     self->time_s += dt_s > 0.0 ? dt_s : 0.0;
     if (self->count > 0 && self->time_s - self->last_s < step_s)
@@ -1121,7 +1121,7 @@ static void mapping_learn_update(panel *self, instance *mapping, double dt_s)
         return;
     }
     app_want_frame(self->app, 0.0); /* the travel over the last second changes in each frame */
-    learn_look(&self->learn, app_view(self->app)->hand, dt_s);
+    learn_update(&self->learn, app_view(self->app)->hand, dt_s);
     if (view)
         viewport_set_use(view, VIEWPORT_PICKS, 0.0f);
     follow_click(self, mapping);

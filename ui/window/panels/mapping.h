@@ -26,7 +26,7 @@ typedef struct learn {
 
 void learn_begin(learn *self);
 /* Adds the current hands, left and right. Call it once for each drawn frame. */
-void learn_look(learn *self, const mrt_hand hand[2], double dt_s);
+void learn_update(learn *self, const mrt_hand hand[2], double dt_s);
 
 /* Returns the finger that a parameter links to a contact, or LEARN_NONE. Such a parameter is
  * stepped, is in the group "Contacts" and has the name of the finger. Its value is 0 for no

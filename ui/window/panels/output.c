@@ -28,7 +28,7 @@ static void describe(char out[256], ui_style *style, const output_status *s)
     if (s->state == OUTPUT_FAILED) {
         *style = UI_STYLE_BAD;
         (void)snprintf(out, 256, "%s. Retrying.", s->trouble);
-    } else if (s->state == OUTPUT_UNHEARD) {
+    } else if (s->state == OUTPUT_NO_RECEIVER) {
         *style = UI_STYLE_WARNING;
         (void)snprintf(out, 256, "No program answers at this address. The face is still sent.");
     } else if (s->state == OUTPUT_OPENS || s->sent == 0) {
@@ -43,7 +43,7 @@ static uint32_t light_of(output_state state)
 {
     static const uint32_t colours[] = {[OUTPUT_OPENS] = THEME_DIM,
                                        [OUTPUT_SENDS] = THEME_GOOD,
-                                       [OUTPUT_UNHEARD] = THEME_WARNING,
+                                       [OUTPUT_NO_RECEIVER] = THEME_WARNING,
                                        [OUTPUT_FAILED] = THEME_BAD};
     return colours[state];
 }

@@ -62,7 +62,7 @@ static const rig_pose *pose_named(const rig *r, const char *name)
     return NULL;
 }
 
-bool goal_is_there(const goal *of, const rig *r)
+bool goal_is_available(const goal *of, const rig *r)
 {
     bool is_there = r != NULL;
     for (uint32_t i = 0; is_there && i < goal_step_count(of); ++i)
@@ -218,7 +218,7 @@ void say_it_begin(say_it *self, const rig *r)
 {
     memset(self, 0, sizeof *self);
     for (uint32_t i = 0; i < GOAL_COUNT; ++i)
-        self->is_there[i] = goal_is_there(&goals[i], r);
+        self->is_there[i] = goal_is_available(&goals[i], r);
     show_goal(self, next_of(self, 0));
 }
 
@@ -227,7 +227,7 @@ const goal_step *say_it_step(const say_it *self)
     return self->at < GOAL_COUNT ? &goals[self->at].step[self->step] : NULL;
 }
 
-bool say_it_look(say_it *self, const goal_distance *how, double dt_s)
+bool say_it_update(say_it *self, const goal_distance *how, double dt_s)
 {
     if (self->at >= GOAL_COUNT)
         return false;
@@ -263,7 +263,7 @@ void say_it_back(say_it *self)
         show_goal(self, self->at);
 }
 
-uint32_t say_it_met(const say_it *self, uint32_t *out_of, double *out_s)
+uint32_t say_it_progress(const say_it *self, uint32_t *out_of, double *out_s)
 {
     uint32_t count = 0;
     *out_of = 0;

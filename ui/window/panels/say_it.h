@@ -20,7 +20,7 @@ typedef struct goal {
 extern const goal goals[GOAL_COUNT];
 uint32_t goal_step_count(const goal *of);
 /* Returns whether the rig has all poses of the goal. */
-bool goal_is_there(const goal *of, const rig *r);
+bool goal_is_available(const goal *of, const rig *r);
 
 /* ---- distance of a face ---- */
 
@@ -60,9 +60,9 @@ void say_it_begin(say_it *self, const rig *r);
 /* Returns the step to perform, or NULL if the exercise is finished. */
 const goal_step *say_it_step(const say_it *self);
 /* Advances the time. Returns true if the step was done; the next step is then current. */
-bool say_it_look(say_it *self, const goal_distance *how, double dt_s);
+bool say_it_update(say_it *self, const goal_distance *how, double dt_s);
 void say_it_skip(say_it *self);
 void say_it_back(say_it *self);
-uint32_t say_it_met(const say_it *self, uint32_t *out_of, double *out_s);
+uint32_t say_it_progress(const say_it *self, uint32_t *out_of, double *out_s);
 
 #endif

@@ -64,7 +64,7 @@ static vec3 mirrored(vec3 at, double middle_mm)
     return (vec3){2.0 * middle_mm - at.x, at.y, at.z};
 }
 
-void rig_gizmo_put(rig_edit_jaw *jaw, rig_handle handle, vec3 to, bool is_even, double middle_mm)
+void rig_gizmo_move(rig_edit_jaw *jaw, rig_handle handle, vec3 to, bool is_even, double middle_mm)
 {
     if (handle == RIG_HANDLE_INCISOR) {
         jaw->incisor = is_even ? (vec3){middle_mm, to.y, to.z} : to;

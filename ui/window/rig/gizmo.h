@@ -30,7 +30,7 @@ typedef enum rig_handle {
 void rig_gizmo_positions(vec3 out[RIG_HANDLES], const rig_edit_jaw *jaw);
 /* Moves a handle to `to`. is_even: keeps both ends of the axis symmetric to x = middle_mm, and the
  * incisor in the middle. */
-void rig_gizmo_put(rig_edit_jaw *jaw, rig_handle handle, vec3 to, bool is_even, double middle_mm);
+void rig_gizmo_move(rig_edit_jaw *jaw, rig_handle handle, vec3 to, bool is_even, double middle_mm);
 
 enum { RIG_GIZMO_ITEMS = 48 };
 /* Draws the axis, its ends, the incisor and its opening path; widths in points. Hidden items are

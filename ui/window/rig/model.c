@@ -705,7 +705,7 @@ static void end_keeping(rig_model *self)
     self->is_moved = rig_keep_open(&self->keep, self->keep_folder, self->path, NULL) < 0;
 }
 
-void rig_model_look(rig_model *self)
+void rig_model_request_binding(rig_model *self)
 {
     if (!self->is_looked_at && self->edition == 0 && rig_model_rig(self))
         self->waits_s = 0.0;
@@ -723,7 +723,7 @@ bool rig_model_update(rig_model *self, double dt_s)
     return take_work(self);
 }
 
-face_file *rig_model_take_face(rig_model *self)
+face_file *rig_model_pop_face(rig_model *self)
 {
     face_file *out = self->for_stage;
     self->for_stage = NULL;
@@ -927,7 +927,7 @@ static mrt_result keep_cut(rig_model *self, face_file *file, error *err)
     return result;
 }
 
-bool rig_model_take_draft(rig_model *self, rig_model_drafted *out)
+bool rig_model_pop_draft(rig_model *self, rig_model_drafted *out)
 {
     drafting *made = self->draft;
     if (!made || atomic_load(&made->state) != DRAFT_DONE)
@@ -994,7 +994,7 @@ mrt_result rig_model_save_as(rig_model *self, const char *path, error *err)
     return result;
 }
 
-bool rig_model_has_kept(const rig_model *self)
+bool rig_model_has_recovered(const rig_model *self)
 {
     return self->keep.old_path != NULL;
 }
@@ -1014,7 +1014,7 @@ static mrt_result cut_for(rig_model *self, const rig *r, error *err)
     return result;
 }
 
-mrt_result rig_model_take_kept(rig_model *self, uint64_t *out_number, error *err)
+mrt_result rig_model_restore_recovered(rig_model *self, uint64_t *out_number, error *err)
 {
     rig kept;
     if (!self->keep.old_path)
@@ -1030,7 +1030,7 @@ mrt_result rig_model_take_kept(rig_model *self, uint64_t *out_number, error *err
     return result < 0 ? result : commit_rig(self, &kept, out_number, err);
 }
 
-void rig_model_drop_kept(rig_model *self)
+void rig_model_discard_recovered(rig_model *self)
 {
     if (self->keep.old_path)
         (void)unlink(self->keep.old_path);

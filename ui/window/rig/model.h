@@ -34,7 +34,7 @@ CHECKED mrt_result rig_model_create(rig_model **out, const face_file *of, const 
 void rig_model_destroy(rig_model *self); /* NULL is fine */
 /* Requests the binding of the opened rig, because the panel is visible. Without this call only
  * changes are bound. */
-void rig_model_look(rig_model *self);
+void rig_model_request_binding(rig_model *self);
 /* Starts the worker RIG_MODEL_WAIT_S after the last change. Call it in each frame. Returns true if
  * rig_model_work has a new result. */
 bool rig_model_update(rig_model *self, double dt_s);
@@ -53,7 +53,7 @@ bool rig_model_is_laid(const rig_model *self); /* whether the newest state is bo
 /* Returns whether a change is still being bound, or its face has not been fetched. */
 bool rig_model_is_pending(const rig_model *self);
 /* Returns the face for the stage, once for each valid state. The caller owns it. NULL: none. */
-face_file *rig_model_take_face(rig_model *self);
+face_file *rig_model_pop_face(rig_model *self);
 
 /* ---- changes ---- */
 
@@ -77,7 +77,7 @@ typedef struct rig_model_drafted {
     bool has_cut;    /* a mouth was cut */
 } rig_model_drafted;
 /* Returns true once when the draft is done. */
-bool rig_model_take_draft(rig_model *self, rig_model_drafted *out);
+bool rig_model_pop_draft(rig_model *self, rig_model_drafted *out);
 /* Returns whether the user must decide about the mouth: the draft has no slit between the lips, but
  * one can be cut. Answer with rig_model_cut_mouth, which drafts again, or rig_model_leave_clay. */
 bool rig_model_asks_mouth(const rig_model *self);
@@ -95,10 +95,10 @@ CHECKED mrt_result rig_model_save(rig_model *self, error *err);
  * may only refer to files below its folder. The caller then opens the new file. */
 CHECKED mrt_result rig_model_save_as(rig_model *self, const char *path, error *err);
 /* Returns whether unsaved changes of an earlier session exist. */
-bool rig_model_has_kept(const rig_model *self);
+bool rig_model_has_recovered(const rig_model *self);
 /* Restores the unsaved changes as a new state. */
-CHECKED mrt_result rig_model_take_kept(rig_model *self, uint64_t *out_number, error *err);
-void rig_model_drop_kept(rig_model *self); /* discards these changes */
-void rig_model_leave(rig_model *self);     /* discards all unsaved changes */
+CHECKED mrt_result rig_model_restore_recovered(rig_model *self, uint64_t *out_number, error *err);
+void rig_model_discard_recovered(rig_model *self); /* discards these changes */
+void rig_model_leave(rig_model *self);             /* discards all unsaved changes */
 
 #endif

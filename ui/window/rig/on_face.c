@@ -63,7 +63,7 @@ static void begin_stroke(panel *self, const viewport_stroke *s)
     mrt_result result =
         rig_stroke_begin(&painting->stroke, rig_model_rig(self->model),
                          rig_model_mesh(self->model)->vertex_count, &ink, filled, &err);
-    rig_panel_say(self, result < 0 ? err.text : "");
+    rig_panel_report(self, result < 0 ? err.text : "");
     if (result >= 0)
         brush_begin(rig_model_brush(self->model), &painting->shape);
 }
@@ -73,7 +73,7 @@ static void move_stroke(panel *self, const viewport_stroke *s)
     error err = {""};
     brush *b = rig_model_brush(self->model);
     if (brush_move(b, s->vertex, s->rest, &err) < 0)
-        rig_panel_say(self, err.text);
+        rig_panel_report(self, err.text);
     rig_stroke_update(self->painting.stroke, b);
     self->shown.is_tint_new = true;
 }
@@ -229,7 +229,7 @@ static void set_contact_positions(panel *self, viewport *view)
 
 /* ---- the jaw ---- */
 
-void rig_panel_put_jaw(panel *self)
+void rig_panel_commit_jaw(panel *self)
 {
     rig *r = rig_panel_begin(self);
     self->jawing.is_changing = false;
@@ -261,8 +261,8 @@ static void drag_handle(panel *self, const rig_ray *ray)
     if (!rig_gizmo_reach(&to, ray, at[jawing->held]))
         return;
     to = vec3_add(to, jawing->grip);
-    rig_gizmo_put(&jawing->jaw, jawing->held, to, self->is_even,
-                  brush_middle_mm(rig_model_brush(self->model)));
+    rig_gizmo_move(&jawing->jaw, jawing->held, to, self->is_even,
+                   brush_middle_mm(rig_model_brush(self->model)));
 }
 
 static void turn_jaw(panel *self, viewport *view)
@@ -284,7 +284,7 @@ static void turn_jaw(panel *self, viewport *view)
     if (jawing->held == RIG_HANDLES || s->is_pressed || s->is_dragging)
         return;
     jawing->held = RIG_HANDLES;
-    rig_panel_put_jaw(self);
+    rig_panel_commit_jaw(self);
 }
 
 /* ---- display of the rig ---- */

@@ -694,7 +694,7 @@ static void draw_summary(const rig_work *work, const rig *r, bool is_laid, ui *o
 static void cut_mouth(panel *self)
 {
     error err = {""};
-    rig_panel_say(self, rig_model_cut_mouth(self->model, &err) < 0 ? err.text : "");
+    rig_panel_report(self, rig_model_cut_mouth(self->model, &err) < 0 ? err.text : "");
 }
 
 /* Asks the same question as the empty stage. */
@@ -750,7 +750,7 @@ static const double look_after_s =
 
 /* ---- messages ---- */
 
-void rig_panel_say(panel *self, const char *trouble)
+void rig_panel_report(panel *self, const char *trouble)
 {
     (void)snprintf(self->trouble, sizeof self->trouble, "%s", trouble);
     if (trouble[0])
@@ -769,7 +769,7 @@ static void go(panel *self, uint64_t number)
     rig_panel_end_stroke(self);
     self->jawing.is_changing = self->is_says_held = self->parting.is_held = false;
     if (!self->model || !rig_model_go(self->model, number))
-        rig_panel_say(self, "This change of the rig is no longer in the undo history.");
+        rig_panel_report(self, "This change of the rig is no longer in the undo history.");
     self->shown.is_tint_new = self->shown.is_shape_new = true;
     app_notes_of(self->of)->is_rig_pending = true;
 }
@@ -805,13 +805,13 @@ rig *rig_panel_begin(panel *self)
     self->err.text[0] = '\0';
     rig *out = rig_model_begin(self->model, &self->err);
     if (!out)
-        rig_panel_say(self, self->err.text);
+        rig_panel_report(self, self->err.text);
     return out;
 }
 
 bool rig_panel_finish(panel *self, mrt_result result, const char *words)
 {
-    rig_panel_say(self, result < 0 ? self->err.text : "");
+    rig_panel_report(self, result < 0 ? self->err.text : "");
     if (result < 0) {
         rig_model_abandon(self->model);
         return false;
@@ -917,11 +917,11 @@ static void open_model(panel *self)
     if (rig_model_create(&self->model, file, app_face_path(self->of),
                          settings_folder(app_settings(self->of)), &err) < 0) {
         if (!self->trouble[0])
-            rig_panel_say(self, err.text);
+            rig_panel_report(self, err.text);
         return;
     }
     self->shown.is_tint_new = self->shown.is_shape_new = true;
-    if (rig_model_has_kept(self->model))
+    if (rig_model_has_recovered(self->model))
         tell(self, "Unsaved changes of this rig can be restored in the Rig panel (F4).");
 }
 
@@ -931,7 +931,7 @@ static void give_to_stage(panel *self)
 {
     if (app_status(self->of)->is_recording)
         return; /* later, because the face must not change during a take */
-    face_file *file = rig_model_take_face(self->model);
+    face_file *file = rig_model_pop_face(self->model);
     if (!file)
         return;
     if (app_change_face(self->of, file) < 0)
@@ -983,7 +983,7 @@ static void save_as_asked(panel *self)
 {
     error err = {""};
     if (save(self, &err) < 0)
-        rig_panel_say(self, err.text);
+        rig_panel_report(self, err.text);
 }
 
 static void update_unsaved(panel *self)
@@ -1040,15 +1040,15 @@ static void keep_choices(panel *self)
 static void begin_draft(panel *self)
 {
     error err = {""};
-    rig_panel_say(self, rig_model_draft(self->model, &err) < 0 ? err.text : "");
+    rig_panel_report(self, rig_model_draft(self->model, &err) < 0 ? err.text : "");
 }
 
 static void take_draft(panel *self)
 {
     rig_model_drafted made = {.result = MRT_OK};
-    if (!rig_model_take_draft(self->model, &made))
+    if (!rig_model_pop_draft(self->model, &made))
         return;
-    rig_panel_say(self, made.result < 0 ? made.err.text : "");
+    rig_panel_report(self, made.result < 0 ? made.err.text : "");
     if (made.result < 0) {
         if (!self->is_shown)
             news_list_add(app_news(self->of), MRT_LOG_ERROR, "rig", made.err.text);
@@ -1101,7 +1101,7 @@ static void update(panel *self, double dt_s)
         if (app_take_request(self->of, ACTION_SAVE))
             save_as_asked(self);
         if (self->is_shown)
-            rig_model_look(self->model);
+            rig_model_request_binding(self->model);
         if (rig_model_update(self->model, dt_s))
             self->shown.is_tint_new = self->shown.is_shape_new = true;
         give_to_stage(self);
@@ -1150,18 +1150,18 @@ static void draw_kept(panel *self, ui *on)
 {
     uint64_t number;
     error err = {""};
-    if (!rig_model_has_kept(self->model))
+    if (!rig_model_has_recovered(self->model))
         return;
     ui_text_wrapped(on, UI_STYLE_WARNING, "Unsaved changes of the last session were found.");
     if (ui_button(on, "Restore", UI_ACCENT)) {
-        mrt_result result = rig_model_take_kept(self->model, &number, &err);
-        rig_panel_say(self, result < 0 ? err.text : "");
+        mrt_result result = rig_model_restore_recovered(self->model, &number, &err);
+        rig_panel_report(self, result < 0 ? err.text : "");
         if (result >= 0)
             note_step(self, number, "restore unsaved changes");
     }
     ui_same_line(on);
     if (ui_button(on, "Discard", UI_QUIET))
-        rig_model_drop_kept(self->model);
+        rig_model_discard_recovered(self->model);
     ui_rule(on);
 }
 

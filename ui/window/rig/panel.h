@@ -117,7 +117,7 @@ rig *rig_panel_begin(panel *self); /* NULL: failed, reported to the user */
 /* Commits a change. words: name of the undo step, such as "paint jaw". result < 0: reports
  * self->err and changes nothing. */
 bool rig_panel_finish(panel *self, mrt_result result, const char *words);
-void rig_panel_say(panel *self, const char *trouble); /* reports an error; "" clears it */
+void rig_panel_report(panel *self, const char *trouble); /* reports an error; "" clears it */
 void rig_panel_choose(panel *self, rig_tab tab, uint32_t index); /* index: region or contact */
 
 /* Draws a name field. Returns true when the user has entered another name. */
@@ -131,7 +131,7 @@ void rig_panel_face(panel *self, viewport *view);    /* in each frame while the 
 void rig_panel_release(panel *self, viewport *view); /* when the panel is no longer visible */
 void rig_panel_end_stroke(panel *self);
 void rig_panel_shown_finish(rig_shown *shown);
-void rig_panel_put_jaw(panel *self); /* writes the shown jaw into the rig */
+void rig_panel_commit_jaw(panel *self); /* writes the shown jaw into the rig */
 
 /* ---- tabs in parts.c ---- */
 

@@ -283,7 +283,7 @@ static void add_pose(panel *self)
                                      work->face, MRT_MAX_VECTORS, &work->rig, &solver,
                                      view->contact, view->meter.dof, &self->err);
     if (result < 0) {
-        rig_panel_say(self, self->err.text);
+        rig_panel_report(self, self->err.text);
         return;
     }
     rig *r = rig_panel_begin(self);
@@ -786,7 +786,7 @@ static void draw_limits(panel *self, ui *on)
         return;
     jawing->is_changing = is_held;
     if (was_changing && !is_held)
-        rig_panel_put_jaw(self);
+        rig_panel_commit_jaw(self);
 }
 
 static void draw_jaw_point(ui *on, const char *label, vec3 at)
@@ -816,7 +816,7 @@ static void draw_jaw_axis(panel *self, ui *on)
         jaw->incisor = work && work->face ? face_bones(work->face)->incisor : jaw->incisor;
     }
     jaw->has_incisor = has_incisor;
-    rig_panel_put_jaw(self);
+    rig_panel_commit_jaw(self);
 }
 
 static void draw_jaw_try(panel *self, ui *on)
@@ -875,7 +875,7 @@ static void find_rims(panel *self)
     if (result < 0 || !found.upper) {
         (void)snprintf(words, sizeof words, "Cannot find the rims of the mouth: %s.",
                        result < 0 ? err.text : why_not);
-        rig_panel_say(self, words);
+        rig_panel_report(self, words);
         return;
     }
     if (!next.upper || next.fault)

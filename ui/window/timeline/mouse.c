@@ -327,7 +327,7 @@ static void end_edit(panel *self)
     if (made.kind != EDIT_NONE)
         timeline_edit(self, &made);
     else if (why.text[0])
-        timeline_say(self, &why);
+        timeline_report(self, &why);
 }
 
 static void end_range(panel *self)
@@ -357,7 +357,7 @@ static void end_swipe(panel *self)
     if (count)
         (void)!app_edit_all(self->app, list, count); /* the function reports its own errors */
     else
-        timeline_say(self, &err);
+        timeline_report(self, &err);
     for (uint32_t i = 0; i < count; ++i)
         edit_finish(&made[i]);
 }

@@ -403,8 +403,8 @@ static void paint_none(panel *self, ui *on, const ui_canvas *canvas, uint32_t co
     char first[3][KEY_WORDS + 24] = {"No takes yet."}, record[KEY_WORDS], keep[KEY_WORDS];
     key_map_words(keys, ACTION_RECORD, record);
     key_map_words(keys, ACTION_KEEP, keep);
-    (void)snprintf(first[1], sizeof first[1], "%s records one,", record[0] ? record : "The dot");
-    (void)snprintf(first[2], sizeof first[2], "Press %s to keep the last 30 s.", keep[0] ? keep : "Keep");
+    (void)snprintf(first[1], sizeof first[1], "%s records a take.", record[0] ? record : "The dot");
+    (void)snprintf(first[2], sizeof first[2], "%s keeps the last 30 s.", keep[0] ? keep : "Keep");
     const char *words =
         self->takes.filter == TAKES_DELETED ? "No deleted takes." : "No matching takes.";
     float x = canvas->where.x + 10.0f, y = canvas->where.y + 8.0f;
@@ -456,7 +456,7 @@ static void ask_take(panel *self, ui *on, int64_t id)
     take t = {0};
     show *from = app_show(self->app);
     if (!from || (edit_store_take(&t, from, id, &err) < 0 && t.id == 0)) {
-        timeline_say(self, &err);
+        timeline_report(self, &err);
         return;
     }
     self->asked_take = id;

@@ -234,7 +234,7 @@ void timeline_fit(panel *self)
     self->is_fit = true;
 }
 
-void timeline_say(panel *self, const error *err)
+void timeline_report(panel *self, const error *err)
 {
     if (err->text[0])
         news_list_add(app_news(self->app), MRT_LOG_WARNING, "timeline", err->text);
@@ -357,7 +357,7 @@ static void request(panel *self)
 static void look(panel *self)
 {
     const take *t = app_take(self->app);
-    self->result = timeline_worker_look(self->worker);
+    self->result = timeline_worker_result(self->worker);
     self->comps = timeline_worker_comps(self->worker);
     if (!t || !self->has_comps || (self->comps && self->comps->of != t->id))
         self->comps = NULL;
@@ -492,7 +492,7 @@ static panel *create(app *of)
     self->worker = timeline_worker_create(app_plugins(of));
     self->journal = timeline_journal_create();
     if (self->worker && self->journal) {
-        self->result = timeline_worker_look(self->worker);
+        self->result = timeline_worker_result(self->worker);
         return self;
     }
     destroy(self);

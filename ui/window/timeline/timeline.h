@@ -185,9 +185,9 @@ bool timeline_range(const panel *self, int64_t *out_in_ns, int64_t *out_out_ns);
 /* Returns the swiped or dragged span with start before end. */
 void timeline_span_now(const panel *self, int64_t *out_from_ns, int64_t *out_to_ns);
 void timeline_fit(panel *self);
-void timeline_say(panel *self, const error *err);  /* reports the error in the log panel */
-double timeline_clip_speed(const take_clip *clip); /* speed of the whole clip */
-void timeline_edit(panel *self, edit *e);          /* applies the edit and finishes it */
+void timeline_report(panel *self, const error *err); /* reports the error in the log panel */
+double timeline_clip_speed(const take_clip *clip);   /* speed of the whole clip */
+void timeline_edit(panel *self, edit *e);            /* applies the edit and finishes it */
 
 void timeline_own_words(const take_layer *lane, char *out, size_t capacity);
 uint32_t timeline_own_regions(const take_layer *lane); /* bits of the regions of the layer */

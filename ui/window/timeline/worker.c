@@ -575,9 +575,9 @@ void timeline_worker_request(timeline_worker *self, const timeline_request *requ
         self->has_thread = pthread_create(&self->thread, NULL, run, self) == 0;
 }
 
-const timeline_result *timeline_worker_look(timeline_worker *self)
+const timeline_result *timeline_worker_result(timeline_worker *self)
 {
-    (void)slot_take(&self->slot);
+    (void)slot_receive(&self->slot);
     return &self->result[slot_front(&self->slot)];
 }
 

@@ -68,7 +68,7 @@ typedef struct timeline_result {
     char note[256];   /* why a curve is missing; may be "" */
 } timeline_result;
 /* Returns the newest result, never NULL. Valid until the next call. */
-const timeline_result *timeline_worker_look(timeline_worker *self);
+const timeline_result *timeline_worker_result(timeline_worker *self);
 const timeline_strip *timeline_result_strip(const timeline_result *result, uint32_t owner,
                                             uint32_t clip);
 

@@ -283,7 +283,7 @@ static void give(virtual_hand *self, uint32_t side, feed_activity activity)
     memcpy(value, self->motion.angle_rad, sizeof self->motion.angle_rad);
     for (int i = 0; i < MRT_MAX_PEDALS; ++i)
         value[MRT_ANGLES + i] = self->intent.pedal[i] ? 1.0f : 0.0f;
-    feed_give(self->feed[side], value, activity);
+    feed_push(self->feed[side], value, activity);
     self->gave = activity == FEED_MOVES;
 }
 
