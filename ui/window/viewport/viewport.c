@@ -928,7 +928,8 @@ static void ink_chip(viewport *self, ui *on)
 {
     char keys[KEY_WORDS], words[80];
     key_map_words(&app_looks_of(self->of)->keys, ACTION_NEUTRAL, keys);
-    (void)snprintf(words, sizeof words, "Held pulls. Press %s to clear them", keys[0] ? keys : "Neutral");
+    (void)snprintf(words, sizeof words, "Held pulls. Press %s to clear them",
+                   keys[0] ? keys : "Neutral");
     const float width = ui_text_width(on, UI_STYLE_BODY, words);
     self->chip = (ui_rectangle){.width = 0.0f};
     if (!app_is_held(self->of) || self->is_off_stage)
@@ -983,7 +984,8 @@ static void ink_pointer(const viewport *self, ui *on)
     if (self->is_off_stage) {
         char keys[KEY_WORDS], words[96];
         key_map_words(&app_looks_of(self->of)->keys, ACTION_LIVE, keys);
-        (void)snprintf(words, sizeof words, "A take is shown. Press %s to go back to the live hands",
+        (void)snprintf(words, sizeof words,
+                       "A take is shown. Press %s to go back to the live hands",
                        keys[0] ? keys : "Live");
         write_at_edge(self, on, words);
         return;
