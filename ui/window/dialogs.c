@@ -60,8 +60,7 @@ static void say_desktop(ui *on, const dialogs_desktop *self)
                            : "Opening the dialog of the desktop.");
 }
 
-/* Before the program ends or another face comes: what becomes of work that is not saved, and of
- * exports that go on. */
+/* ---- unsaved work and running exports, before the program quits or opens another face ---- */
 
 /* ---- work that is not saved ---- */
 
@@ -164,7 +163,7 @@ static void draw_unsaved(dialogs *self)
 
 /* ---- exports that go on ---- */
 
-/* They ended while it was asked: what has failed is read before the program goes. */
+/* The exports ended while the dialog was open: failures are shown before the program quits. */
 static void exports_ended(dialogs *self)
 {
     self->asks_exports = false;
@@ -224,8 +223,7 @@ static void draw_exporting(dialogs *self)
     ui_dialog_end(on);
 }
 
-/* The dialog that opens whatever there is: folders, files, what was opened lately, or a path that
- * is typed. */
+/* ---- the open dialog: folders, files, recent files, or a typed path ---- */
 
 static const char open_dialog[] = "open";
 static const char *const kind_names[OPEN_KINDS] = {"All",   "Shows",  "Faces",
@@ -252,7 +250,7 @@ static void go(dialogs *self, const char *path)
                           opening->at[opening->kind].path);
 }
 
-/* "/home/me/a.glb" is /home/me, "/a.glb" is /. False: no folder is named. */
+/* Cuts "/home/me/a.glb" to /home/me, and "/a.glb" to /. False: the path has no folder. */
 static bool cut_to_folder(char *path)
 {
     char *slash = strrchr(path, '/');
@@ -269,7 +267,7 @@ static void go_somewhere(dialogs *self)
     char path[OPEN_PATH];
     const open_kind kind = self->opening.kind;
     if (self->opening.at[kind].path[0]) {
-        go(self, self->opening.at[kind].path); /* as it is now */
+        go(self, self->opening.at[kind].path); /* unchanged */
         return;
     }
     const char *last = settings_text(app_settings(self->app), kind_keys[kind], "");
@@ -369,7 +367,7 @@ void dialogs_drop(dialogs *self, const char *path)
     } else if (open_kind_of(path) == OPEN_FACE) {
         change_face(self, path);
     } else {
-        (void)!open_any(self->app, path); /* what is wrong is in the news */
+        (void)!open_any(self->app, path); /* the error is in the messages */
     }
 }
 
@@ -388,7 +386,7 @@ static void open_typed(dialogs *self)
     }
 }
 
-/* Of a file that is not there nothing is made: who wants a new show types its name. */
+/* Opens the selected file. Never creates it: for a new show the user types its name. */
 static void open_chosen(dialogs *self, const char *path)
 {
     char at[OPEN_PATH];
@@ -420,7 +418,7 @@ static void look_what_to_open(dialogs *self)
 
 /* ---- drawing ---- */
 
-/* What was opened lately, in whatever folder; true: `chosen` is to be opened. */
+/* Draws the recent files. Returns true to open `chosen`. */
 static bool draw_recent(dialogs *self, char chosen[OPEN_PATH])
 {
     ui *on = self->ui;
@@ -478,7 +476,7 @@ static void draw_file_facts(ui *on, const open_entry *entry, float end)
     ui_text(on, UI_STYLE_DIM, day);
 }
 
-/* True: `chosen` is to be opened. */
+/* Draws the files of the folder. Returns true to open `chosen`. */
 static bool draw_files(dialogs *self, char chosen[OPEN_PATH])
 {
     ui *on = self->ui;
@@ -622,7 +620,7 @@ static void draw_open(dialogs *self)
     ui_dialog_end(on);
 }
 
-/* ---- save as: what is saved goes on there ---- */
+/* ---- save as: work continues in the new file ---- */
 
 static const char save_dialog[] = "save as";
 static const char *const saved_names[] = {"The show", "The rig"};
@@ -711,7 +709,7 @@ void dialogs_ask_save_as(dialogs *self)
     ui_dialog_open(self->ui, save_dialog);
 }
 
-/* A rig that is there is replaced when it is asked for a second time; a show never. */
+/* Replaces an existing rig at the second request; never replaces a show. */
 static void save_as(dialogs *self)
 {
     dialogs_saving *saving = &self->saving;

@@ -30,7 +30,7 @@ enum {
         FORMATS
 };
 
-typedef struct look { /* what is read, and what take export is told; "": nothing */
+typedef struct look { /* label, and option of take export; "": none */
     const char *name, *option;
 } look;
 static const look rates[] = {{"As in the take", ""}, {"24", "24"}, {"25", "25"},
@@ -106,7 +106,8 @@ static uint32_t index_of(const look *from, uint32_t count, const char *option)
     return count;
 }
 
-/* What is on none of the lists is what the person typed; another's words choose the first. */
+/* Selects a preset. Values that are not in the lists are custom; unknown ones select the first
+ * entry. */
 static void choose(export_page *self, const char *preset)
 {
     char part[5][EXPORT_FILE] = {"", "", "", "", ""};
@@ -189,7 +190,7 @@ static bool can_be_exported(const app_take_line *of)
     return !of->is_deleted && !of->is_recording && of->duration_ns > 0;
 }
 
-/* 0: there is none. */
+/* The id of the newest take; 0: none. */
 static int64_t newest(const export_page *self)
 {
     const app_take_line *line;
@@ -283,7 +284,7 @@ static bool range_of(const export_page *self, int64_t *out_in, int64_t *out_out)
            self->ticked_count == 1 && self->ticked[0] == app_take_id(self->app);
 }
 
-/* What is there already is replaced when it is asked for a second time. */
+/* Existing files are replaced at the second request. */
 static bool needs_a_word(export_page *self, char (*name)[EXPORT_FILE], uint32_t count)
 {
     uint32_t there = 0, first = 0;

@@ -155,7 +155,7 @@ static void put_actions(sheet *s, action_group group)
             continue;
         key_map_words(keys, of, words);
         if (as_one && is_rating(of))
-            put_line(s, ACTION_NONE, "0 .. 5", "Stars of the chosen take");
+            put_line(s, ACTION_NONE, "0 .. 5", "Stars of the selected take");
         else
             put_line(s, of, words[0] ? words : "\u2013", entry->title);
     }
@@ -220,7 +220,7 @@ static void put_all(sheet *s, app *of)
     put_pedals(s, of);
 }
 
-/* How high columns must be so that so many hold all of it. */
+/* Height at which this number of columns holds all lines. */
 static float height_of(const app_looks *looks, app *of, uint32_t across, float row, float room)
 {
     for (float height = room;; height += 2.0f * row) {
@@ -248,8 +248,8 @@ static void draw_size(ui *on, app_looks *looks, float zoom)
     if (ui_choice(on, "##text_size", 0.0f, size_names, SIZES, &size))
         looks->text_size = sizes[size];
     ui_hint(on, zoom + 0.01f < looks->text_size
-                    ? "Size of the text. Enlarge the window to use a larger size."
-                    : "Size of the text.");
+                    ? "Scale of the whole window. Enlarge the window to use a larger scale."
+                    : "Scale of the whole window.");
 }
 
 static bool has_own_keys(const key_map *keys)
@@ -280,7 +280,7 @@ static void draw_head(help *self, app_looks *looks, ui *on, ui_rectangle where, 
     }
     if (zoom + 0.01f < looks->text_size) {
         char words[48];
-        (void)snprintf(words, sizeof words, "No room here: %.0f %%", 100.0 * (double)zoom);
+        (void)snprintf(words, sizeof words, "Limited to %.0f %% here", 100.0 * (double)zoom);
         ui_same_line(on);
         ui_text(on, UI_STYLE_WARNING, words);
     }

@@ -60,7 +60,7 @@ static void accept(app *of, offer which)
         if (!installed_data(path, "demo_hand.csv"))
             break;
         (void)snprintf(text, sizeof text, "log:%s,loop=1", path);
-        (void)!app_open_input(of, text); /* what is wrong is in the news */
+        (void)!app_open_input(of, text); /* the error is in the messages */
         break;
     default:
         news_list_add(app_news(of), MRT_LOG_INFO, "stage", offers[OFFER_MOUSE].help);
@@ -96,7 +96,7 @@ static const struct {
 } units[] = {{"mm", 1.0}, {"cm", 10.0}, {"m", 1000.0}};
 enum { UNITS = sizeof units / sizeof units[0] };
 
-/* What the height was taken for, and what else it may be: the one that is in force is lit. */
+/* Offers the possible units of the height. The current one is highlighted. */
 static void draw_unit(app *of, ui *on, mesh_frame *wanted)
 {
     const mesh *m = &app_face(of)->mesh;
@@ -147,7 +147,7 @@ static void draw_turns(app *of, ui *on, mesh_frame *wanted)
     ui_hint(on, "Turn by 90 degrees until the face looks at you.");
 }
 
-/* What is not said anew stays as it was said, or guessed. */
+/* Opens the face with another unit or orientation. Other values stay as chosen or guessed. */
 static void reframe(app *of, mesh_frame *wanted, double unit_mm)
 {
     const mesh *m = &app_face(of)->mesh;
@@ -157,7 +157,7 @@ static void reframe(app *of, mesh_frame *wanted, double unit_mm)
         wanted->up = m->up;
         wanted->forward = m->forward;
     }
-    (void)!app_set_face_frame(of, wanted); /* what is wrong is in the news */
+    (void)!app_set_face_frame(of, wanted); /* the error is in the messages */
 }
 
 static void draw_rig_offer(app *of, ui *on, ui_rectangle over)

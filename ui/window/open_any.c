@@ -148,7 +148,7 @@ typedef struct beginning {
     open_kind kind;
 } beginning;
 
-/* What its first bytes say, where its name says nothing. */
+/* Kind of a file by its first bytes, if its name does not tell. */
 static open_kind kind_of_content(const char *path)
 {
     static const beginning known[] = {{"SQLite format 3", OPEN_SHOW},

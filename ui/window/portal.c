@@ -15,7 +15,7 @@
 #define REQUEST     "org.freedesktop.portal.Request"
 #define REQUESTS_AT "/org/freedesktop/portal/desktop/request"
 
-/* Messages of one frame: a bus that has more to say is heard in the next. */
+/* largest number of messages in one frame; the rest is read in the next */
 enum { MESSAGES_MAX = 64 };
 
 struct portal {
@@ -102,7 +102,7 @@ static void now(portal *self, portal_answer answer)
         self->answer = answer;
 }
 
-/* "file:///home/me/a%20b" is /home/me/a b. False: it is no file of this computer. */
+/* Converts "file:///home/me/a%20b" to /home/me/a b. False: not a file of this computer. */
 static bool path_of_uri(char out[PORTAL_PATH], const char *uri)
 {
     size_t length = 0;
@@ -185,7 +185,7 @@ static int on_reply(sd_bus_message *from, void *data, sd_bus_error *err)
     return 0;
 }
 
-/* Whoever asks has ended, and its dialog with it. */
+/* The process that showed the dialog has ended. */
 static int on_owner(sd_bus_message *from, void *data, sd_bus_error *err)
 {
     portal *self = data;
@@ -255,8 +255,8 @@ void portal_close(portal *self)
     if (!self)
         return;
     if (self->answer == PORTAL_ASKS &&
-        self->request[0]) /* sent at once; a bus that has no room for
-                             it ends the request as the client goes */
+        self->request[0]) /* sent immediately; if the bus has no space for it, the request ends with
+                             the client */
         (void)sd_bus_call_method_async(self->bus, NULL, DESKTOP, self->request, REQUEST, "Close",
                                        NULL, NULL, "");
     sd_bus_close(self->bus);

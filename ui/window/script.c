@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- somebody who does not know the program ---- */
+/* ---- random input ---- */
 
 static uint32_t draw(script_random *self, uint32_t below)
 {
@@ -138,8 +138,7 @@ static void turn_wheel(script_random *self, ui *on)
     push(on, (ui_event){.kind = UI_EVENT_WHEEL, .y = notch});
 }
 
-/* Whoever has been asked for some seconds gives up some time: behind a question nothing else can be
- * reached. */
+/* Whether to close a dialog after some seconds, because it blocks everything else. */
 static bool gives_up(script_random *self)
 {
     enum { PATIENCE_STEPS = 40, ONE_IN = 3 };
@@ -415,7 +414,7 @@ static void push_modifiers(ui *on, uint32_t modifiers, bool is_down)
             push_key(on, keys[i][1], is_down);
 }
 
-/* UTF-8; what is none is left out. */
+/* Pushes UTF-8 text. Skips invalid bytes. */
 static void push_text(ui *on, const char *text)
 {
     const unsigned char *at = (const unsigned char *)text;

@@ -13,7 +13,7 @@ enum { READS = 3 };
 
 typedef struct reading { /* a picture on its way from the graphics card */
     GLuint buffer;
-    GLsync done; /* NULL: none is on its way */
+    GLsync done; /* NULL: none being read */
 } reading;
 
 struct streams {
@@ -49,7 +49,7 @@ streams *streams_create(app *of, viewport *from)
     return self;
 }
 
-/* All at once: what hangs takes its seconds once. */
+/* Stops all streams together, so that several that hang take their timeout only once. */
 static void stop_targets(streams *self)
 {
     for (uint32_t i = 0; i < self->count; ++i)

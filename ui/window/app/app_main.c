@@ -43,7 +43,7 @@ static bool patch_path(const app *self, char *out, size_t capacity)
     return folder[0] && length > 0 && (size_t)length < capacity;
 }
 
-/* As it was when the program ended. */
+/* Reads the patch that was saved when the program ended. */
 static void read_patch(app *self)
 {
     char path[PATH_MAX];
@@ -206,7 +206,7 @@ static void read_picture(app *self, const app_picture *given)
                    settings_text(from, "picture.background", ""));
     (void)snprintf(kept.targets, sizeof kept.targets, "%s",
                    settings_text(from, "picture.targets", ""));
-    take_picture(self, given ? given : &kept); /* what a command line says is not kept */
+    take_picture(self, given ? given : &kept); /* options of the command line are not saved */
 }
 
 const app_picture *app_picture_now(const app *self)
@@ -383,8 +383,8 @@ mrt_result app_destroy(app *self)
 
 /* ---- each frame ---- */
 
-/* Disarms the sound when there is no microphone, which the log has told. One that was lost while it
- * was in use is waited for. */
+/* Disarms the sound if no microphone was found, which the log reports. A microphone that was lost
+ * during use stays armed. */
 static void follow_sound(app *self)
 {
     const sound_device_status *device = &self->status.listening.device;
@@ -441,7 +441,7 @@ static bool is_playing(const app *self)
            !live_position(self->live).has_stopped;
 }
 
-/* What goes on in the application itself; panels add what they show. */
+/* Requests frames for activities of the application. Panels request their own. */
 static void want_frames(app *self)
 {
     static const double each_s = 0.0, clock_s = 0.05, meter_s = 0.06, work_s = 0.1;
@@ -747,7 +747,7 @@ void app_clear_pulls(app *self)
         clear_pulls(self);
 }
 
-/* ---- actions: whether each can be done now, and who does it ---- */
+/* ---- actions: whether each is possible now, and its function ---- */
 
 static const char *why_no_record(const app *self)
 {

@@ -265,8 +265,8 @@ static void keep_show_path(app *self)
         app_say(self, MRT_LOG_INFO, "use Save as to record into a copy");
 }
 
-/* A show that the person named must open. Otherwise the last one, or a new one; if there is none at
- * all the stage performs and records nothing. */
+/* A show named by the user must open. Otherwise opens the last show, or creates one. Without a show
+ * the stage performs but does not record. */
 static mrt_result open_first_show(app *self, const char *path, error *err)
 {
     const char *last = settings_text(self->settings, "last.show", NULL);
@@ -328,7 +328,7 @@ mrt_result app_open_show(app *self, const char *path)
     perform_as_show_says(self);
     self->had_problem = false;
     app_say(self, MRT_LOG_INFO, "%s is open", path);
-    (void)app_close_show(self, before); /* the log has what became of it */
+    (void)app_close_show(self, before); /* the log reports the result */
     return MRT_OK;
 }
 
@@ -515,7 +515,7 @@ double app_voice_part(const app *self)
     return self->audio_import ? 1e-3 * (double)atomic_load(&self->audio_import->thousandths) : -1.0;
 }
 
-/* Cancels an import that has not ended; nothing of it is left in the show. */
+/* Cancels a running import, and removes it from the show. */
 void app_drop_audio(app *self)
 {
     audio_import *job = self->audio_import;
@@ -527,7 +527,7 @@ void app_drop_audio(app *self)
     self->audio_import = NULL;
 }
 
-/* What is recorded or played meanwhile is not disturbed. */
+/* Does not disturb recording or playback. */
 void app_follow_audio(app *self)
 {
     edit e;
@@ -605,7 +605,8 @@ static void tell_face(app *self)
         app_say(self, MRT_LOG_INFO, "the face has %u notes: see the rig panel", lines);
 }
 
-/* Remembers the mapping that does not fit the face, and tells why and which mappings fit. */
+/* Remembers the mapping that does not fit the face, and reports the reason and the mappings that
+ * fit. */
 static void rest(app *self, const face_file *made, const char *mapping, const error *why)
 {
     char names[400];
@@ -629,7 +630,7 @@ static void perform_again(app *self)
 void app_ask_draft(app *self)
 {
     app_ask(self, APP_CALL_DRAFT);
-    if (!self->resting[0]) /* no mapping has been chosen: the draft gets the usual one */
+    if (!self->resting[0]) /* without a choice the draft gets the default mapping */
         (void)snprintf(self->resting, sizeof self->resting, "%s", DEFAULT_MAPPING);
 }
 
@@ -716,8 +717,8 @@ mrt_result app_change_face(app *self, face_file *made)
 
 /* ---- the first face, read beside the window and the plugins ---- */
 
-/* With its rig bound, so that the stage need not; a rig that cannot be bound is told by the stage.
- */
+/* Reads a face and binds its rig, so that the stage need not. The stage reports a rig that cannot
+ * be bound. */
 static mrt_result read_bound_face(face_file **out, const char *path, error *err)
 {
     error ignored;
@@ -827,7 +828,7 @@ static void *read_first_face(void *data)
     return NULL;
 }
 
-/* The face of the show's newest performance; "": there is none. */
+/* Writes the face of the newest performance of the show; "": none. */
 static void face_of_show(app *self, show *s, char out[APP_PATH])
 {
     int64_t *ids = NULL;
@@ -911,7 +912,8 @@ static mrt_result start_live(app *self, const char *mapping, error *err)
     return open_at_rest(self, &with, err) < 0 ? result : MRT_OK;
 }
 
-/* What the command line names, once its libraries are loaded: see plugin_list_choose_spec. */
+/* Plugins named on the command line, after their libraries were loaded: see
+ * plugin_list_choose_spec. */
 typedef struct chosen {
     char *mapping; /* NULL: none was named */
     char *input[INPUT_OPENER_MAX];

@@ -1,5 +1,4 @@
-/* What a person does to takes: the list, the one that is chosen, its edits with undo and redo, the
- * transport, recording. */
+/* Takes: their list, the selected take, its edits with undo and redo, the transport, recording. */
 #include "window/app/app_shared.h"
 
 #include "base/clock.h"
@@ -46,8 +45,8 @@ static void fill_line(app_take_line *out, const take *t)
     out->number = t->number;
 }
 
-/* A take with edits that this version does not know is shown as far as it goes. Returns whether it
- * could be read, which is said once. */
+/* Shows a take with unknown edits as far as possible. Returns whether all edits could be read;
+ * reports a failure once. */
 static bool fold_line(app *self, app_take_line *out, const show_take *row, bool was_told)
 {
     take t = {0};
@@ -282,7 +281,7 @@ static void take_changed(app *self)
         app_reported(show_chosen(self));
 }
 
-/* ---- once a frame: what the recorder and the stage have done meanwhile ---- */
+/* ---- in each frame: results of the recorder and the stage ---- */
 
 #define AWAITED_S 10.0
 
@@ -329,7 +328,7 @@ static void tell_kept(app *self, int64_t id)
                 line->title);
 }
 
-/* With a full disk the take is stored only when there is room; then it appears in the list. */
+/* If the disk is full, the take is stored when there is space, and appears in the list then. */
 static void follow_awaited(app *self, double dt_s)
 {
     const int64_t id = self->awaited;
@@ -864,7 +863,7 @@ static void begin_over(app *self)
         over.out_ns = t->loop_out_ns;
         over.passes = self->choice.armed ? 1 : 0;
     }
-    /* At the end there is nothing left to perform over: from the start, as play does. */
+    /* At the end of the take, start over from its start, as playback does. */
     if (over.out_ns == 0 && chosen && over.in_ns + OVER_FADE_NS >= chosen->duration_ns)
         over.in_ns = 0;
     over.into_layer = self->choice.armed;
@@ -896,7 +895,8 @@ void app_record_toggle(app *self)
         self->over_is_ended = true;
         (void)app_report(self, live_record_end(self->live, &err), &err);
     } else if (self->over_take || self->over_ended_s > 0.0) {
-        /* R was meant to end a recording that has just ended by itself, not to begin another. */
+        /* The user pressed R to end a recording that has just ended by itself. Do not start
+         * another. */
         self->over_ended_s = 0.0;
         app_say(self, MRT_LOG_INFO, "the overdub has ended. Press R to start another");
     } else if (live_shown_take(self->live)) { /* the view may be of a frame before */
@@ -988,7 +988,7 @@ static void say_problem(app *self)
     self->had_problem = has_problem;
 }
 
-/* What it tells goes to stderr, too, as the window may be gone. */
+/* Messages also go to stderr, because the window may be closed. */
 mrt_result app_close_show(app *self, show *of)
 {
     error sentence = {""};
@@ -1002,7 +1002,7 @@ mrt_result app_close_show(app *self, show *of)
     return is_well ? MRT_OK : MRT_ERR_IO;
 }
 
-/* Runs the count-in. Showing a take meanwhile cancels it. */
+/* Runs the count-in. Showing a take cancels it. */
 static void count_in(app *self)
 {
     if (live_shown_take(self->live)) {
@@ -1070,7 +1070,7 @@ void app_set_chases(app *self, bool chases)
     settings_set_number(self->settings, chase_key, chases ? 1.0 : 0.0);
 }
 
-/* Where the chosen take is when the time code says so; < 0: nowhere. */
+/* Time in the selected take at the external time code; < 0: outside. */
 static int64_t chased_at_ns(const app *self, int64_t now_ns)
 {
     const recorder_code *code = &self->status.code;

@@ -45,7 +45,7 @@ mrt_result camera_page_address(char out[CAMERA_PAGE_ADDRESS], uint16_t port, err
                : error_set(err, MRT_ERR_FORMAT, "%s: was not written by marotte: remove it", path);
 }
 
-/* xdg-open returns at once, also when the browser that it starts goes on running. */
+/* xdg-open returns immediately, even if it starts a browser that keeps running. */
 mrt_result camera_page_show(uint16_t port, error *err)
 {
     char address[CAMERA_PAGE_ADDRESS];

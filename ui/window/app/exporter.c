@@ -18,7 +18,7 @@ enum {
     JOBS_MAX = 99,
     RUNNING_MAX = 2,
     LINE = 1024,
-    NICENESS = 10 /* whoever performs goes first */
+    NICENESS = 10 /* low priority, so that the performance comes first */
 };
 
 extern char **environ;
@@ -245,7 +245,7 @@ static void parse_line(job *self)
     }
 }
 
-/* Of a line that is too long the rest is not heard. */
+/* Reads the output of a job. The end of a line that is too long is dropped. */
 static void listen(job *self)
 {
     char piece[256];
@@ -258,7 +258,7 @@ static void listen(job *self)
                 self->line[self->length++] = piece[i];
 }
 
-/* Without the words of the program that says it. */
+/* The reason, without the name of the program in front of it. */
 static const char *reason_of(const job *self)
 {
     static const char speaker[] = "marotte take export: ";
@@ -287,7 +287,7 @@ static mrt_result tell_end(const job *self, int status, char *out_text, size_t c
     return MRT_ERR_IO;
 }
 
-/* Polls a job, and starts one that waits as soon as there is room. Why it could not be started
+/* Polls a job, and starts a waiting one when there is a free place. If it cannot start, the reason
  * becomes its last line. */
 static bool has_ended(job *self, bool has_room, int *out_status)
 {

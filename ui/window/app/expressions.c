@@ -11,8 +11,8 @@
 #define INPUT_NAME "expressions" /* as the id ends (input_name_of) */
 
 static const double rate_hz = 125.0;
-static const double settle_s =
-    0.5; /* samples go on for so long after a fade, for the patch's smoothing to settle */
+static const double settle_s = 0.5;  /* samples continue for this time after a fade, until the
+                                        smoothing of the patch has settled */
 static const double smooth_s = 0.02; /* between two drawn frames */
 
 typedef struct expression {
@@ -23,7 +23,7 @@ typedef struct expression {
 
 struct expressions {
     app *of;
-    bool is_wanted, is_refused; /* refused: it was said */
+    bool is_wanted, is_refused; /* refused: reported */
     expression item[MRT_MAX_CHANNELS];
     uint32_t count;
     feed *feed;
@@ -130,7 +130,7 @@ static mrt_result join(expressions *self, const char *const *pose, uint32_t coun
         self->still_s = 0.0;
         result = live_add_input(app_live(self->of), self->made, INPUT_NAME, err);
     }
-    if (result < 0) { /* what joined in vain is gone */
+    if (result < 0) { /* remove the input that could not join */
         self->made = NULL;
         (void)leave(self);
     }

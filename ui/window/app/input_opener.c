@@ -20,7 +20,7 @@ typedef struct opened { /* from the thread to [main] */
 typedef struct input_request {
     char text[INPUT_OPENER_TEXT];
     plugin_spec spec;
-    const mrt_plugin_type *type; /* NULL: there is none, and err says why */
+    const mrt_plugin_type *type; /* NULL: none; err has the reason */
     error err;
 } input_request;
 
@@ -28,7 +28,7 @@ typedef struct opening_job { /* some inputs, one after the other, on a thread of
     const plugin_list *plugins;
     log_queue *log;
     uint64_t number;
-    input_request request[INPUT_OPENER_MAX]; /* those that were told do not change */
+    input_request request[INPUT_OPENER_MAX]; /* entries that were reported do not change */
     uint32_t asked;
     uint32_t count; /* the thread's: with those that it found */
     bool looks_further;
@@ -162,7 +162,7 @@ static void end_job(opening_job *job)
     free_job(job);
 }
 
-/* The next opened input; closes those that were given up meanwhile. */
+/* The next opened input. Closes cancelled ones. */
 static bool peek(opening_job *job, opened *out)
 {
     while (ring_peek(job->opened, out)) {

@@ -26,7 +26,7 @@ typedef struct reading {
 struct kept_scenery {
     app *of;
     scenery now, kept;
-    reading *reading;        /* NULL: none is read */
+    reading *reading;        /* NULL: none being read */
     char tried[TAKE_HASH];   /* the show's picture that was asked for last */
     scenery_picture picture; /* of `tried`, if it could be had */
     uint64_t picture_number;
@@ -170,7 +170,7 @@ static mrt_result end_reading(kept_scenery *self, reading *job, error *err)
 {
     if (job->result < 0)
         return error_set(err, job->result, "%s", job->err.text);
-    if (!job->path) { /* meanwhile the person may have gone on */
+    if (!job->path) { /* the user may have chosen another one in the meantime */
         if (strcmp(job->hash, self->now.picture) == 0)
             take_picture(self, job);
         return MRT_OK;

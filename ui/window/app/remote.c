@@ -1,5 +1,5 @@
-/* Sockets that are looked at once a frame; commands that are obeyed at once, and answered when the
- * frame has shown what came of them. */
+/* Sockets are polled in each frame. Commands are executed immediately, and answered when the frame
+ * has shown their effect. */
 #include "window/app/remote.h"
 #include "window/app/app.h"
 #include "window/app/expressions.h"
@@ -29,7 +29,7 @@ enum {
     ANSWERS = OSC_ANSWERS + CLIENTS * REMOTE_MESSAGES_A_LOOK
 };
 static const double retry_s = 2.0;     /* a port that was taken */
-static const double handshake_s = 5.0; /* that is not whole by then is dropped */
+static const double handshake_s = 5.0; /* incomplete requests are dropped after this time */
 static const double complaint_s = 5.0; /* one line about nonsense in so long */
 
 typedef struct client {
@@ -390,7 +390,7 @@ static void take_message(void *context, const osc_message *message)
 
 static void receive_datagrams(remote *self)
 {
-    unsigned char bytes[DATAGRAM_MAX]; /* what is longer is cut, and no OSC then */
+    unsigned char bytes[DATAGRAM_MAX]; /* a longer datagram is cut, and then is not OSC */
     for (int i = 0; i < REMOTE_DATAGRAMS_A_LOOK && self->answer_count < REMOTE_DATAGRAMS_A_LOOK;
          ++i) {
         self->from = (asker){.client = 0};
@@ -499,8 +499,8 @@ static void take_frames(remote *self, client *c, uint32_t *left)
     memmove(c->in, c->in + used, c->in_size);
 }
 
-/* A client's share of a look: so many messages, and one buffer of bytes. What it sends beyond that
- * waits in its socket, and so does all of a client that does not read its answers. */
+/* Reads from a client in this frame: a limited number of messages, and one buffer of bytes. The
+ * rest waits in the socket. A client that does not read its answers is not read either. */
 static void receive_from(remote *self, client *c, double dt_s)
 {
     uint32_t left = REMOTE_MESSAGES_A_LOOK;
@@ -634,7 +634,8 @@ static bool draw_code(char out[REMOTE_CODE + 1])
     return true;
 }
 
-/* The same for as long as the person's settings last: buttons of a Stream Deck have it. */
+/* Reads the pairing code from the settings, or makes one. It is kept, because buttons of a Stream
+ * Deck contain it. */
 static bool find_code(remote *self, char out[REMOTE_CODE + 1])
 {
     const char *kept = settings_text(app_settings(self->of), code_key, "");

@@ -196,7 +196,7 @@ bool remote_command_of_json(remote_command *out, const char *text, size_t size,
     return is_good;
 }
 
-/* ---- who may ask ---- */
+/* ---- allowed requests ---- */
 
 static bool is_in_numbers(const char *host, size_t size)
 {

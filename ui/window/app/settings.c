@@ -27,7 +27,7 @@ enum {
 static const char own_key[] = "looks";
 
 struct settings {
-    char *path, *folder; /* path "": nothing is written */
+    char *path, *folder; /* path "": no file */
     bool is_named;       /* by the person, not the default path */
     json_t *root;        /* values as this program sees them */
     json_t *changes;     /* since the last write: key to value in their order; null: removed */
@@ -45,7 +45,7 @@ typedef enum content {
 static char *default_path(void)
 {
     char path[PATH_MAX];
-    error ignored; /* "": nothing is kept */
+    error ignored; /* "": nothing is saved */
     (void)!file_home_path(path, sizeof path, FILE_HOME_CONFIG, "window.json", &ignored);
     return strdup(path);
 }
@@ -109,7 +109,7 @@ static mrt_result refuse(const error *why, error *err)
                      "%s. It is unchanged: choose another file for the settings", why->text);
 }
 
-/* A default file that is of no use stops nobody: the note says what becomes of it. */
+/* Reads the file. A damaged default file is not an error: the note reports it. */
 static mrt_result read_file(settings *self, char *out_note, size_t capacity, error *err)
 {
     char aside[PATH_MAX];
@@ -166,7 +166,8 @@ mrt_result settings_open(settings **out, const char *path, char *out_note, size_
 
 static void write_value(json_t *root, const char *key, json_t *value);
 
-/* What the file is to hold: its values now with the changes of this program. NULL: see err. */
+/* The new content of the file: its current values with the changes of this program. NULL: see err.
+ */
 static json_t *merge(const settings *self, error *err)
 {
     char aside[PATH_MAX];
@@ -180,7 +181,7 @@ static json_t *merge(const settings *self, error *err)
         return NULL;
     }
     if (!root)
-        root = json_deep_copy(self->root); /* it was removed or damaged meanwhile */
+        root = json_deep_copy(self->root); /* the file was removed or damaged in the meantime */
     json_object_foreach(self->changes, key, value)
         write_value(root, key, json_is_null(value) ? NULL : json_incref(value));
     if (root && !json_object_get(root, own_key))
@@ -297,8 +298,8 @@ const char *settings_text(const settings *self, const char *key, const char *oth
     return json_is_string(value) ? json_string_value(value) : otherwise;
 }
 
-/* Owns the value from now on; NULL removes the key. Values on the path that are no objects are
- * replaced. */
+/* Takes ownership of the value; NULL removes the key. Replaces values on the path that are not
+ * objects. */
 static void write_value(json_t *root, const char *key, json_t *value)
 {
     char part[KEY_MAX], next[KEY_MAX];

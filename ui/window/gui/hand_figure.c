@@ -43,7 +43,7 @@ static int by_depth(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-/* Nearer parts are brighter: over the panel, with as much of the colour. */
+/* Nearer parts are brighter. */
 static uint32_t shaded(uint32_t colour, float near)
 {
     return (colour & 0xffffff00u) | (uint32_t)(90.0f + 165.0f * near);

@@ -46,9 +46,9 @@ struct ui {
     float scale; /* pixels a point, of the fonts that are loaded */
     ImFont *font[UI_FONTS];
     theme look, wanted_look;    /* of this frame; of the next */
-    int plain_depth;            /* on the face: colours are shown as they are said */
-    bool is_drawing, has_drawn; /* OpenGL side was started; has what it draws with */
-    ui_damage *damage;          /* what was drawn last */
+    int plain_depth;            /* on the face: colours are not converted to the theme */
+    bool is_drawing, has_drawn; /* OpenGL was started; OpenGL objects exist */
+    ui_damage *damage;          /* draw lists of the previous frame */
     ui_damage_images images;    /* of this frame */
     bool is_new;                /* this frame was drawn: something of it is new */
     double wanted_s;            /* when the next frame is wanted; HUGE_VAL: nobody wants one */
@@ -74,7 +74,7 @@ struct ui {
     ImGuiID hinted;                      /* what the pointer rests on */
     double hinted_s;
     ui_grip grip;
-    char before[UI_INPUT_MAX]; /* the text of the input that is edited, as it was */
+    char before[UI_INPUT_MAX]; /* text of the edited field before editing */
 };
 
 /* ---- sizes and colours ---- */
@@ -105,7 +105,7 @@ static ui_rectangle ui_points_box(const ui *self, const ImRect &r)
                         (r.Max.x - r.Min.x) / self->scale, (r.Max.y - r.Min.y) / self->scale};
 }
 
-/* As it is in the theme. */
+/* The colour in the current theme. */
 static uint32_t ui_shown(const ui *self, uint32_t colour)
 {
     const bool is_light = self->look.is_light && self->plain_depth == 0;
@@ -219,8 +219,8 @@ static void ui_note_text(ui *self, ImFont *font, ImVec2 at, uint32_t colour, con
 
 /* ---- putting it there ---- */
 
-/* Draws, cut with an ellipsis when wider than max_px (0: as wide as it is); the top left at `at`.
- */
+/* Draws text with its top left at `at`. Cuts it with an ellipsis if it is wider than max_px (0: no
+ * limit). */
 static void ui_put_text(ui *self, ImFont *font, ImVec2 at, uint32_t colour, float max_px,
                         const char *begin, const char *end)
 {
@@ -357,7 +357,7 @@ float ui_text_height(const ui *self, ui_style style)
 /* ---- fonts: Inter, with DejaVu for what it has no signs for; without both, what Dear ImGui brings
  * ---- */
 
-/* A line of Inter is so much higher than its letters' em. */
+/* Line height of Inter relative to its em. */
 constexpr float LINE_PER_EM = 1.21f;
 
 static const char *const regular_paths[] = {
@@ -456,7 +456,7 @@ static void load_fonts(ui *self)
     make_digits_even(self->font[UI_FONT_NUMBER]);
 }
 
-/* ---- who gets a key: a text that is typed, a question, or whoever asks ---- */
+/* ---- the receiver of a key: a text field, a dialog, or the caller ---- */
 
 /* The '?' of other keyboards is not over the '/'. */
 static void read_question_mark(ui_frame_input *input)
@@ -578,7 +578,7 @@ static float ui_take_width(ui *self, float natural_px)
     return wanted < 0.0f ? ImMax(room + wanted, 1.0f) : natural_px;
 }
 
-/* What lies to the left or right of all that is seen is out of reach: a cut word, for tests. */
+/* Notes text left or right of the visible area as cut, for tests. */
 static void note_beyond(ui *self, const ImRect &box, const char *label)
 {
     const ImRect clip = ImGui::GetCurrentWindow()->ClipRect;
@@ -735,7 +735,7 @@ static float tab_words(const ui *self, const char *const *names, uint32_t first,
     return words;
 }
 
-/* So many that words do not stand close. */
+/* Number of rows of tabs in which the text has enough space. */
 static uint32_t tab_rows(const ui *self, const char *const *names, uint32_t count, float room)
 {
     const float least = ui_px(self, 12.0f);
@@ -947,9 +947,9 @@ static bool has_menu(void)
     return popup && !(popup->Flags & ImGuiWindowFlags_Modal);
 }
 
-/* After ImGui's new frame. A right click beside a menu closes it at once, and is a click on what is
- * there: ImGui would close it at the frame's end, and open the next one for what was clicked
- * before. */
+/* Called after the new frame of ImGui. A right click outside a menu closes it immediately and acts
+ * on its target. ImGui would close it at the end of the frame, and then open a menu for the
+ * previous target. */
 static void close_menus(ui *self)
 {
     self->has_menu = has_menu();
@@ -1068,7 +1068,7 @@ bool ui_dialog_begin(ui *self, const char *id, const char *title, float width)
     return true;
 }
 
-/* Whoever asked has gone, and the question with him: else it would block everything, unseen. */
+/* Closes popups whose caller is gone. Otherwise they would block the window invisibly. */
 static void ui_close_left_popups()
 {
     const ImGuiContext &context = *ImGui::GetCurrentContext();
@@ -1203,7 +1203,7 @@ static float share_of(const ui_range *range, double value)
     return span > 0.0 ? ImSaturate(static_cast<float>((value - range->min) / span)) : 0.0f;
 }
 
-/* What the slider has written in its middle. */
+/* Writes the text in the middle of a slider. */
 static void write_value(char (&out)[64], const ui_range *range, double value)
 {
     const int digits = range->is_whole ? 0 : static_cast<int>(ImMin(range->digits, 9u));
@@ -1324,7 +1324,7 @@ bool ui_input(ui *self, const char *id, const char *hint, char *text, size_t cap
     ImGui::InputTextWithHint(id, hint ? hint : "", text, capacity,
                              ImGuiInputTextFlags_AutoSelectAll);
     const bool is_ended = was_ended(self, text);
-    if (hint && hint[0]) /* it is said where the text will be */
+    if (hint && hint[0]) /* notes where the text will be */
         ui_notes_hint(self->notes);
     note_input(self, box, text[0] ? text : hint ? hint : "", text[0] ? THEME_TEXT : THEME_DIM);
     return is_ended;
@@ -1740,8 +1740,8 @@ static void set_scale(ui *self, float scale)
     ui_damage_forget(self->damage);
     load_fonts(self);
     set_style(self);
-    /* The texture of the old fonts alone: its buffers, made anew, are believed to be as large as
-     * those before (imgui_impl_opengl3 1.86), and nothing is drawn any more. */
+    /* Deletes only the texture of the old fonts. If the buffers were recreated too,
+     * imgui_impl_opengl3 1.86 would assume their old size, and draw nothing. */
     if (!self->has_drawn)
         return;
     ImGui_ImplOpenGL3_DestroyFontsTexture();
@@ -1803,7 +1803,7 @@ void ui_begin(ui *self, const ui_screen *screen)
         ImGui::ClearActiveID();
 }
 
-/* Panels lie over each other in the order in which they were begun. */
+/* Orders the panels: later ones cover earlier ones. */
 static void order_panels(ui *self)
 {
     for (int i = self->panel_count - 1; i >= 0; --i)

@@ -155,7 +155,7 @@ void ui_notes_word(ui_notes *self, uint32_t on, const ui_word *word)
     self->word_surface[self->word_count++] = on;
 }
 
-/* By a popup, or by something opaque of a panel that lies over it. */
+/* Whether a popup or an opaque part of a panel above covers the text. */
 static bool is_hidden(const ui_notes *self, uint32_t index)
 {
     const uint32_t on = self->word_surface[index];

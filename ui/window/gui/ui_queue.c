@@ -85,7 +85,7 @@ static bool waits(const taken *t, const ui_frame_input *input, const ui_event *e
     case UI_EVENT_MOVE:
         return t->any_button || t->any_wheel;
     case UI_EVENT_BUTTON:
-        /* What is dragged goes to its last place before it is let go. */
+        /* A drag reaches its last position before the release. */
         return t->button[event->code] || (t->any_move && !event->is_down);
     case UI_EVENT_KEY:
         if (only_writes(input, event->code))

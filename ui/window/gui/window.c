@@ -28,7 +28,7 @@ typedef struct window_type {
     bool (*begin)(window *self, ui *to, ui_screen *out_screen);
     void (*end)(window *self, ui *from);
     mrt_result (*picture)(window *self, const char *png_path, error *err);
-    void (*set_title)(window *self, const char *title); /* NULL: there is nothing to write it on */
+    void (*set_title)(window *self, const char *title); /* NULL: nothing to write it on */
     bool (*read_gamepad)(window *self, window_gamepad *out);
     bool (*is_maximised)(const window *self);
     void (*maximise)(window *self);
@@ -421,7 +421,7 @@ struct window_output {
     bool has_mutex, is_new, stop, has_failed;
     uint32_t width_px, height_px; /* of the window */
 
-    bool is_exposed; /* what it shows is gone */
+    bool is_exposed; /* its content was lost */
     bool is_dragged;
     double drag_x, drag_y;
 };
@@ -486,7 +486,7 @@ static bool is_within(GLFWmonitor *monitor, int x, int y)
     return mode && x >= left && x < left + mode->width && y >= top && y < top + mode->height;
 }
 
-/* The first monitor that the stage is not on; NULL: there is one monitor. */
+/* The first monitor without the stage; NULL: only one monitor. */
 static GLFWmonitor *other_monitor(GLFWwindow *main_window)
 {
     int count = 0, x, y, width, height;
@@ -581,8 +581,8 @@ static mrt_result start(window_output *self, error *err)
                : error_set(err, MRT_ERR_MEMORY, "the output cannot be drawn: no thread for it");
 }
 
-/* Full screen on a monitor that `main` is not on; a borderless window that can be moved where there
- * is none. The context of `main` is current, and shared. */
+/* Opens full screen on a monitor without `main`, or as a movable borderless window. The context of
+ * `main` must be current, and is shared. */
 static mrt_result window_output_create(window_output **out, GLFWwindow *main_window,
                                        const window_output_look *look, error *err)
 {
@@ -728,14 +728,14 @@ typedef struct glfw_window {
     window_output *output;
     GLFWcursor *cursor[CURSORS];
     ui_cursor cursor_now;
-    window_sheet sheet;    /* what is drawn before it is shown */
-    float pixels_per_unit; /* a unit of the desktop's coordinates */
+    window_sheet sheet;    /* draw target, copied to the window when the frame ends */
+    float pixels_per_unit; /* pixels in a unit of the desktop coordinates */
     int64_t frame_ns;
     bool is_iconified;
     bool has_event;    /* since the last frame */
-    bool is_exposed;   /* what the window shows is gone: it is shown again */
-    bool is_caught_up; /* the frame before was late, and let events wait */
-    pthread_t thread;  /* ends the wait for events when there is a signal */
+    bool is_exposed;   /* the content of the window was lost: show it again */
+    bool is_caught_up; /* the previous frame was late, and delayed its events */
+    pthread_t thread;  /* thread that ends the wait for events at a signal */
     bool has_thread;
     _Atomic bool is_waiting, stop;
 } glfw_window;
@@ -959,8 +959,8 @@ static pace_reason wait_for_frame(glfw_window *self, bool *out_has_rested)
     }
 }
 
-/* Of the window's size; where the card has no room for it, the display's own is drawn into. True:
- * what was drawn is not in it. */
+/* Fits the framebuffer to the window. Without memory for it, draws directly to the display. Returns
+ * true if its content was lost. */
 static bool fit_sheet(glfw_window *self)
 {
     error ignored = {""};
@@ -1010,7 +1010,7 @@ static bool glfw_begin(window *base, ui *to, ui_screen *out_screen)
                               .is_lost = fit_sheet(self),
                               .is_late = is_late};
     self->is_caught_up = is_late;
-    self->has_event = is_late; /* they wait for the next frame, which comes at once */
+    self->has_event = is_late; /* events wait for the next frame, which follows immediately */
     gl_bind_framebuffer(GL_FRAMEBUFFER, self->sheet.framebuffer);
     glViewport(0, 0, (GLsizei)base->width_px, (GLsizei)base->height_px);
     return !glfwWindowShouldClose(self->glfw);
@@ -1185,7 +1185,8 @@ static const window_type type = {
     .show_output = glfw_show_output,
 };
 
-/* Two threads draw through one connection to the X server; libX11 before 1.8 must be told. */
+/* Two threads draw through one connection to the X server. libX11 before 1.8 needs XInitThreads for
+ * that. */
 static void let_x11_have_threads(void)
 {
     void *library = dlopen("libX11.so.6", RTLD_LAZY);
