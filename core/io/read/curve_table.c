@@ -60,7 +60,7 @@ static mrt_result read_head(curve_table *out, reading *r, error *err)
     r->separator = memchr(line.at, ',', (size_t)(line.end - line.at)) ? ',' : ';';
     uint32_t count = count_cells(r, line);
     if (count > COLUMNS_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s:%u: %u columns, at most %d are possible",
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s:%u: %u columns; at most %d are possible",
                          r->path, r->line, count, COLUMNS_MAX);
     out->name = calloc(count, sizeof *out->name);
     out->bad_row = calloc(count, sizeof *out->bad_row);
@@ -74,7 +74,7 @@ static mrt_result read_head(curve_table *out, reading *r, error *err)
         text_copy(name, size, cell);
         if (name[0] && curve_table_find(out, name) != CURVE_TABLE_NONE) {
             mrt_result result =
-                error_set(err, MRT_ERR_FORMAT, "%s:%u: two columns are called \"%s\"", r->path,
+                error_set(err, MRT_ERR_FORMAT, "%s:%u: two columns have the name \"%s\"", r->path,
                           r->line, name);
             free(name);
             return result;

@@ -494,7 +494,7 @@ mrt_result mesh_build_take(mesh_build *b, mesh *out, error *err)
     *out = (mesh){0};
     mrt_result result = MRT_ERR_FORMAT;
     if (b->vertex_count == 0) {
-        error_set(err, result, "there are no vertices in it");
+        error_set(err, result, "it has no vertices");
         goto fail;
     }
     if (b->triangle_count == 0) {

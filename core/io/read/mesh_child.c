@@ -122,12 +122,12 @@ static mrt_result open_input(int *out_fd, const void *input, size_t size, error 
     int fd = input ? (int)syscall(SYS_memfd_create, "marotte-decode", MFD_CLOEXEC)
                    : open("/dev/null", O_RDONLY | O_CLOEXEC);
     if (fd < 0)
-        return error_set(err, MRT_ERR_IO, "no room for what its reader is given: %s",
+        return error_set(err, MRT_ERR_IO, "no space for the input of its reader: %s",
                          strerror(errno));
     if (input && !write_all(fd, input, size)) {
         int code = errno;
         close(fd);
-        return error_set(err, MRT_ERR_MEMORY, "no memory for what its reader is given: %s",
+        return error_set(err, MRT_ERR_MEMORY, "out of memory for the input of its reader: %s",
                          strerror(code));
     }
     *out_fd = fd;
@@ -205,7 +205,7 @@ static mrt_result judge(pid_t pid, error *err)
     int status;
     if (!program_wait(pid, &status, goodbye_ns))
         return error_set(err, MRT_ERR_FORMAT,
-                         "its reader does not end: the file is probably damaged");
+                         "its reader did not end: the file is probably damaged");
     if (!WIFSIGNALED(status))
         return MRT_OK;
     if (WTERMSIG(status) == SIGXCPU)
@@ -307,7 +307,7 @@ static mrt_result make_request(void **out, size_t *out_size, const decode_job *j
         *out_size += sizeof job[i].order + sizeof(uint64_t) + job[i].size;
     char *at = *out = malloc(*out_size + 1);
     if (!at)
-        return error_set(err, MRT_ERR_MEMORY, "no memory for what is to be decoded");
+        return error_set(err, MRT_ERR_MEMORY, "out of memory for the data to decode");
     for (uint32_t i = 0; i < count; ++i) {
         uint64_t size = job[i].size;
         at = put(at, &job[i].order, sizeof job[i].order);
@@ -347,14 +347,15 @@ static uint32_t take_answers(decode_job *job, uint32_t count, const char *at, si
             text_copy(job[i].failed.text, sizeof job[i].failed.text,
                       text_view_of(body, (size_t)head[1]));
         } else if (!fits(&job[i].order, body, head[1])) {
-            (void)error_set(&job[i].failed, MRT_ERR_FORMAT, "its decoder answers nonsense");
+            (void)error_set(&job[i].failed, MRT_ERR_FORMAT, "its decoder returned invalid data");
         } else {
             job[i].out = malloc((size_t)head[1]);
             job[i].out_size = (size_t)head[1];
             if (job[i].out)
                 memcpy(job[i].out, body, (size_t)head[1]);
             else
-                (void)error_set(&job[i].failed, MRT_ERR_MEMORY, "no memory for what was decoded");
+                (void)error_set(&job[i].failed, MRT_ERR_MEMORY,
+                                "out of memory for the decoded data");
         }
         at = body + head[1];
         size -= sizeof head + (size_t)head[1];

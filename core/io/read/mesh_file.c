@@ -56,19 +56,18 @@ static const char *other_kind(const file_bytes *bytes)
     static const struct {
         const char *begins, *is;
         size_t size;
-    } known[] = {
-        {"\x89PNG", "a PNG picture", 4},
-        {"\xff\xd8\xff", "a JPEG picture", 3},
-        {"Kaydara FBX", "an FBX file: export it from Blender as .glb", 11},
-        {"BLENDER", "a file of Blender: export it from there as .glb", 7},
-        {"PK\x03\x04", "an archive: unpack it first", 4},
-        {"7z\xbc\xaf", "an archive: unpack it first", 4},
-        {"Rar!", "an archive: unpack it first", 4},
-        {"RIFF", "a sound or a film", 4},
-        {"%PDF", "a document", 4},
-        {"<!DOCTYPE", "a page of the web: download the file itself", 9},
-        {"<html", "a page of the web: download the file itself", 5},
-        {"version https://git-lfs", "a pointer to a file that lies elsewhere (Git LFS)", 23}};
+    } known[] = {{"\x89PNG", "a PNG picture", 4},
+                 {"\xff\xd8\xff", "a JPEG picture", 3},
+                 {"Kaydara FBX", "an FBX file: import it into Blender and export it as .glb", 11},
+                 {"BLENDER", "a Blender file: export it from Blender as .glb", 7},
+                 {"PK\x03\x04", "an archive: unpack it first", 4},
+                 {"7z\xbc\xaf", "an archive: unpack it first", 4},
+                 {"Rar!", "an archive: unpack it first", 4},
+                 {"RIFF", "a sound or a film", 4},
+                 {"%PDF", "a document", 4},
+                 {"<!DOCTYPE", "a web page: download the file itself", 9},
+                 {"<html", "a web page: download the file itself", 5},
+                 {"version https://git-lfs", "a Git LFS pointer: download the file itself", 23}};
     for (size_t i = 0; i < sizeof known / sizeof *known; ++i)
         if (bytes->size >= known[i].size &&
             memcmp(bytes->data, known[i].begins, known[i].size) == 0)
@@ -122,9 +121,8 @@ static mrt_result parse(mesh *out, mesh_format format, const file_bytes *bytes, 
     case FORMAT_UNKNOWN:
         break;
     }
-    return error_set(
-        err, MRT_ERR_UNSUPPORTED,
-        "no mesh format that is known: .obj .ply .off .glb .gltf .vrm .stl .om are read");
+    return error_set(err, MRT_ERR_UNSUPPORTED,
+                     "unknown mesh format: marotte reads .obj .ply .off .glb .gltf .vrm .stl .om");
 }
 
 mrt_result mesh_file_read(mesh *out, const char *path, const mesh_frame *frame, error *err)
@@ -140,7 +138,7 @@ mrt_result mesh_file_read(mesh *out, const char *path, const mesh_frame *frame, 
         format = format_of_name(path);
     const char *other = other_kind(&bytes);
     result =
-        other ? error_set(err, MRT_ERR_FORMAT, "is no mesh but %s", other)
+        other ? error_set(err, MRT_ERR_FORMAT, "not a mesh file: %s", other)
               : parse(out, format, &bytes, path, frame ? frame->vertices : MESH_VERTICES_ALL, err);
     file_bytes_finish(&bytes);
     if (result == MRT_OK) {

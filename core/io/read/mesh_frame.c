@@ -299,8 +299,10 @@ static mrt_result set_axes(mesh *m, const mesh_frame *given, error *err)
         return MRT_OK;
     turn_axes(m);
     if (why)
-        mesh_note(m, "its axes are taken for up %s, forward %s (%s): --up and --forward say others",
-                  mesh_axis_name(up), mesh_axis_name(forward), why);
+        mesh_note(
+            m,
+            "its axes are detected as up %s, forward %s (%s): set others with --up and --forward",
+            mesh_axis_name(up), mesh_axis_name(forward), why);
     return MRT_OK;
 }
 

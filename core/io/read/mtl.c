@@ -390,7 +390,7 @@ static void add_maps(applying *a, mesh_material *look, const mtl_material *from)
         look->alpha = look->base.image ? MESH_ALPHA_MASK : MESH_ALPHA_OPAQUE;
         look->base_colour[3] = 1.0f;
     } else if (clear->file) {
-        mesh_image_note(a->m, clear->file, "how clear a surface is must be in its own picture");
+        mesh_image_note(a->m, clear->file, "transparency must be in a separate picture");
     }
     if (glow->file)
         look->emission = texture_of(a, glow);
@@ -458,7 +458,7 @@ uint32_t mtl_apply(mesh *m, mtl_library *library, const char *directory, size_t 
                   missing, m->material[first_missing].name);
     if (library->malformed_count)
         mesh_note(m,
-                  "%zu lines of its materials make no sense and are passed over, the first is "
+                  "%zu lines of its materials are invalid and were skipped, the first is "
                   "line %llu",
                   library->malformed_count, (unsigned long long)library->malformed_line);
     return without_uv;

@@ -238,7 +238,7 @@ mrt_result obj_parse(mesh *out, const void *data, size_t size, const char *direc
         mesh_note(out, "%zu statements were skipped, the first is \"%s\"", r.unknown_count,
                   r.unknown);
     if (result == MRT_OK && r.lost_count)
-        mesh_note(out, "%zu corners lie at texture coordinates that are not there", r.lost_count);
+        mesh_note(out, "%zu corners refer to missing texture coordinates", r.lost_count);
     if (result == MRT_OK && has_looks)
         result = add_looks(out, all, directory, vertices, err);
     if (result < 0)

@@ -264,7 +264,7 @@ static mrt_result next_line(ply_reader *r)
 static mrt_result end_line(const ply_reader *r)
 {
     if (r->header.format == PLY_ASCII && r->line.at != r->line.end)
-        return error_set(r->err, MRT_ERR_FORMAT, "there are more values than properties");
+        return error_set(r->err, MRT_ERR_FORMAT, "more values than properties");
     return MRT_OK;
 }
 
@@ -275,7 +275,7 @@ static mrt_result read_text(ply_reader *r, ply_type type, double *out)
     text_view word;
     int64_t whole;
     if (!text_next_word(&r->line, &word))
-        return error_set(r->err, MRT_ERR_FORMAT, "there are fewer values than properties");
+        return error_set(r->err, MRT_ERR_FORMAT, "fewer values than properties");
     if (type >= PLY_FLOAT32 && text_double(word, out))
         return MRT_OK;
     if (type < PLY_FLOAT32 && text_int(word, &whole) && (double)whole >= low[type] &&
@@ -646,10 +646,10 @@ static void note_what_was_not_read(const ply_reader *r, mesh *out)
             mesh_note(out, "element \"%s\" was skipped", name);
     }
     if (r->passed_over_count)
-        mesh_note(out, "%u vertex properties that are no floating-point numbers were skipped",
+        mesh_note(out, "%u vertex properties that are not floating-point numbers were skipped",
                   r->passed_over_count);
     if (text_trim(r->rest).at != r->rest.end)
-        mesh_note(out, "what follows the last element was not read");
+        mesh_note(out, "data after the last element was skipped");
 }
 
 mrt_result ply_parse(mesh *out, const void *data, size_t size, error *err)

@@ -263,7 +263,7 @@ mrt_result bvh_write(const char *path, const clip *c, double mm_per_unit,
     if (result < 0)
         return result;
     if (!hands[MRT_LEFT].is_there && !hands[MRT_RIGHT].is_there)
-        return error_set(err, MRT_ERR_ARGUMENT, "%s: no hand was there: nothing to write", path);
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: the performance has no hand to write", path);
     export_text text;
     result = export_text_open(&text, path, err);
     if (result < 0)
