@@ -21,9 +21,9 @@ typedef enum mesh_format {
     FORMAT_FOREIGN /* OpenMesh reads it */
 } mesh_format;
 
-/* ---- which format ---- */
+/* ---- detecting the format ---- */
 
-/* The first word that is no '#' comment. */
+/* Returns the first word outside '#' comments. */
 static text_view first_word(const file_bytes *bytes)
 {
     text_view rest = text_view_of(bytes->data, bytes->size < 4096 ? bytes->size : 4096);
@@ -50,7 +50,7 @@ static mesh_format format_of_content(const file_bytes *bytes)
     return word.at < word.end && *word.at == '{' ? FORMAT_GLTF : FORMAT_UNKNOWN;
 }
 
-/* What is often taken for a mesh, as a person calls it; NULL: it is none of these. */
+/* Names a file type that users often confuse with a mesh; NULL: none of these. */
 static const char *other_kind(const file_bytes *bytes)
 {
     static const struct {
@@ -91,7 +91,7 @@ static mesh_format format_of_name(const char *path)
     return FORMAT_UNKNOWN;
 }
 
-/* Those that name other files. */
+/* Parses a format that refers to other files. */
 static mrt_result parse_in_folder(mesh *out, mesh_format format, const file_bytes *bytes,
                                   const char *path, mesh_vertices vertices, error *err)
 {

@@ -140,7 +140,7 @@ static mrt_result read_property(ply_header *h, text_view *line, error *err)
     return read_name(property->name, line, err);
 }
 
-/* Every element takes some bytes, so a count that they cannot hold is a lie. */
+/* Checks the counts: each element needs some bytes, so the file size limits them. */
 static mrt_result check_counts(const ply_header *h, size_t size, error *err)
 {
     for (uint32_t i = 0; i < h->element_count; ++i) {
@@ -503,8 +503,9 @@ static mrt_result add_triangle(ply_reader *r, const int64_t corner[3])
     return result < 0 ? result : mesh_build_face(&r->build, r->err);
 }
 
-/* One list of strips: each vertex makes a triangle with the two before it, every other one the
- * other way round; -1 begins anew; one that uses a vertex twice only joins two strips. */
+/* Reads a list of triangle strips. Each vertex forms a triangle with the two before it, with
+ * alternating orientation. -1 begins a new strip. A triangle that uses a vertex twice only joins
+ * two strips. */
 static mrt_result read_strips(ply_reader *r, const ply_property *property)
 {
     int64_t count = 0, before[2] = {0, 0};
