@@ -9,12 +9,12 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Where the numbers of a frame begin in clip.number; NOT_SAID: it has none. */
+/* Index of a frame's numbers in clip.number; NOT_SAID: it has none. */
 static const size_t NOT_SAID = SIZE_MAX;
 
 typedef struct clip_frame {
     int32_t segment;      /* -1: free */
-    int32_t pull_segment; /* -1: nothing is pulled */
+    int32_t pull_segment; /* -1: no pulls */
     size_t first_vector, first_control, first_value, first_pulled, first_pose, first_arkit;
     size_t first_joint[2]; /* of its hands, left and right */
     uint32_t control_count;
@@ -59,7 +59,7 @@ static mrt_result check_floats(const float *value, size_t count, const char *wha
     return MRT_OK;
 }
 
-/* Room for one more of `count` elements; the array as it is now, NULL: no memory. */
+/* Returns the array with space for one more element; NULL: no memory. */
 static void *grow(void *array, uint32_t count, uint32_t *capacity, size_t element_size)
 {
     if (count < *capacity)
@@ -73,7 +73,7 @@ static void *grow(void *array, uint32_t count, uint32_t *capacity, size_t elemen
     return grown;
 }
 
-/* One that says nothing yet, at the end. */
+/* Appends an empty frame. */
 static mrt_result add_frame(clip *c, int32_t segment, error *err)
 {
     clip_frame *frame = grow(c->frame, c->frame_count, &c->frame_capacity, sizeof *c->frame);
@@ -658,7 +658,7 @@ const double *clip_pulled(const clip *c, uint32_t frame, uint32_t *out_segment)
     return numbers_from(c, f->first_pulled);
 }
 
-/* Blocks of so many vertices: most of what is named moves few of them. */
+/* Vertices per block: most named parts move only a few blocks. */
 enum { BLOCK = 64 };
 
 static bool is_still(const float *value, size_t count)
@@ -669,7 +669,7 @@ static bool is_still(const float *value, size_t count)
     return bits == 0;
 }
 
-/* The rest shape, moved by the named part of a frame. */
+/* Computes the rest shape, moved by the named part of a frame. */
 static void clip_read_named(const clip *c, uint32_t frame, float *out_position)
 {
     size_t vertex_count = c->mesh->vertex_count;
@@ -700,7 +700,7 @@ static void clip_read_named(const clip *c, uint32_t frame, float *out_position)
     }
 }
 
-/* position := rest + position - named; how far that is at most. */
+/* position := rest + position - named. Returns the largest distance of a vertex. */
 static double leave_remainder(const clip *c, float *position, const float *named)
 {
     const float *rest = c->mesh->position;

@@ -1,11 +1,11 @@
-/* io/export.h - clips and meshes out of the program, in the formats that other tools open. Files
- * are written beside their target and renamed: complete or absent. Positions must be finite. [main]
- * or a worker. */
+/* io/export.h - writes clips and meshes in the formats of other tools. A file is written beside its
+ * target and then renamed: it is complete or absent. Positions must be finite. Leaves out the
+ * choice of formats (export_formats.h). [main] or a worker. */
 #ifndef MAROTTE_IO_EXPORT_H
 #define MAROTTE_IO_EXPORT_H
 #include "io/clip.h"
 
-typedef struct export_progress { /* optional: called now and then; NULL callback: nothing */
+typedef struct export_progress { /* optional progress callback, called repeatedly; NULL: none */
     void (*step)(void *data, double done); /* 0..1 */
     void *data;
 } export_progress;
@@ -17,8 +17,8 @@ typedef struct gltf_options {
                             what float32 can show */
     uint32_t max_targets; /* for free frames, in all; 0: as many as the tolerance needs, within the
                              limits of components.h */
-    const char *name;     /* of the animation; NULL: "performance" */
-    bool is_bare;         /* the mesh alone, also where it was read from a glTF or VRM file */
+    const char *name;     /* name of the animation; NULL: "performance" */
+    bool is_bare;         /* writes only the mesh, even if it was read from a glTF or VRM file */
 } gltf_options;
 
 typedef struct gltf_report {
@@ -34,77 +34,89 @@ typedef struct gltf_report {
         why_bare; /* the source file could not be used, so the mesh is there alone; "" it is not */
 } gltf_report;
 
-/* .glb. Of a mesh that was read from a glTF or VRM file (mesh.path): that file, with the morph
- * targets and the animation added to what they move, all else as it is; its own animations come
- * behind. Else, or where the file is no longer what was performed: the mesh alone, with parts and
- * materials. Morph targets and a weights animation with a key per frame, every weight within
- * 0..1, as programs that play it limit them to that. Anchored frames exactly (to float32): a target
- * for each direction of a column's axis that is used in a segment, "s1.control2.y+", in metres
- * times a power of two, and one target per committed base, "s2.base". Frames with a named part: a
- * target for each way that a curve goes, "jaw.open" or "eye.l.yaw +" and "eye.l.yaw -", of weight 1
- * at the curve's limit; and for each direction that a control is pulled in, "mouth.corner.l out",
- * of weight 1 at 31.25 mm (or that times a power of two, when it is pulled further); "s2." before
- * it where another engagement moves the face otherwise. What these leave are components, "remainder
- * 1", and so much of max_error_mm; a curve that is a shape of the file itself gives the weights of
- * its own target. The clip's bones are nodes that turn, "bone jaw" under "marotte bones" in a
- * source file, "jaw" else; they carry no skin, as the targets show what they do. Free frames:
- * principal components up to the tolerance, "component1", counted from a "base" (weight 1 in these
- * frames). Where that makes less work and few more bytes, a long motion is split into windows of
- * time, each with a base and components of its own, "w2.base" and "w2.component1"; the weights of
- * others are 0. Each key shows its own shape, and between two keys the shape goes straight from one
- * to the other. Normals follow to first order. A clip without motion is a plain mesh; the mesh's
- * own targets are left out. Parts are primitives on the same vertices, in the file's order, with
- * their name in extras.name. asset.extras has timecode, firstFrame and rate where clip_start_of
- * says. The animation's extras have contentHash, which is another one when anything is that the
- * export shows, and the take: show, id and slate. Errors name the frame or file. */
+/* Writes a .glb.
+ *
+ * Source: if the mesh was read from a glTF or VRM file (mesh.path), that file is written, with
+ * morph targets and the animation added to the meshes that they move. The rest of it is unchanged,
+ * and its own animations follow. Otherwise, or if the file has changed since, only the mesh is
+ * written, with parts and materials.
+ *
+ * Animation: morph targets, and a weights animation with a key per frame. Weights are within 0..1,
+ * because players clamp them. Between two keys the shape is interpolated linearly. Normals follow
+ * to first order. A clip without motion is a plain mesh, without the mesh's own targets.
+ *
+ * Anchored frames are exact (to float32). Each used direction of a column's axis in a segment has a
+ * target, "s1.control2.y+", in metres times a power of two. Each committed base has one, "s2.base".
+ *
+ * Frames with a named part: each direction of a curve has a target, "jaw.open" or "eye.l.yaw +" and
+ * "eye.l.yaw -", with weight 1 at the limit of the curve. Each direction of a pulled control has
+ * one, "mouth.corner.l out", with weight 1 at 31.25 mm, times a power of two for longer pulls. The
+ * prefix "s2." marks a segment that moves the face differently. The remainder becomes components,
+ * "remainder 1", within max_error_mm. A curve that is a shape of the source file animates the
+ * file's own target.
+ *
+ * Bones of the clip are rotating nodes: "bone jaw" under "marotte bones" in a source file, else
+ * "jaw". They have no skin, because the targets already show their effect.
+ *
+ * Free frames: principal components up to the tolerance, "component1", relative to a "base" (weight
+ * 1 in these frames). A long motion is split into windows of time if that saves work for few more
+ * bytes. Each window has its own base and components, "w2.base" and "w2.component1"; the weights of
+ * other windows are 0.
+ *
+ * Parts are primitives on the same vertices, in the order of the file, with their name in
+ * extras.name. asset.extras has timecode, firstFrame and rate from clip_start_of. The animation's
+ * extras have contentHash, which changes with any content of the export, and the take: show, id and
+ * slate. Errors name the frame or file. */
 CHECKED mrt_result gltf_write(const char *path, const clip *c, const gltf_options *options,
                               const export_progress *progress, gltf_report *out_report, error *err);
-/* A mesh alone, with its parts, materials, attributes and targets. */
+/* Writes only a mesh, with its parts, materials, attributes and targets. */
 CHECKED mrt_result gltf_write_mesh(const char *path, const mesh *m, error *err);
 
 typedef struct cache_options {
-    double mm_per_unit;              /* of what is written; 0: 1 */
+    double mm_per_unit;              /* unit of the written file; 0: 1 */
     uint32_t first_part, part_count; /* the vertices that triangles of these parts of the mesh use,
                                         in the file's order; 0 parts: all vertices */
 } cache_options;
-/* Vertex caches, +y up, every frame; a clip without frames is refused. PC2 begins at the frame
- * that clip_start_of says; MDD's times count from its first frame. options: NULL: all, mm. */
+/* Write vertex caches, +y up, with every frame. A clip without frames is refused. PC2 starts at the
+ * frame of clip_start_of. MDD's times are relative to its first frame. options: NULL: all vertices,
+ * mm. */
 CHECKED mrt_result pc2_write(const char *path, const clip *c, const cache_options *options,
                              const export_progress *progress, error *err);
 CHECKED mrt_result mdd_write(const char *path, const clip *c, const cache_options *options,
                              const export_progress *progress, error *err);
 
-/* .usda, the text form of OpenUSD; +y up, metersPerUnit as mm_per_unit says, a time code per frame
- * from 0. /Face/Mesh with a GeomSubset for each part and a plain material for each (no pictures).
- * Names are made identifiers, what they were is displayName.
- * usd_write: UsdSkel: gltf_write's targets as blend shapes that list the points they move, their
- * weights in a SkelAnimation, and a skeleton of one joint that stays. options: tolerance_mm and
- * max_targets. usd_write_points: the points of each frame; no normals. */
+/* Write .usda, the text form of OpenUSD: +y up, metersPerUnit from mm_per_unit, a time code per
+ * frame from 0. /Face/Mesh has a GeomSubset and a plain material for each part (no pictures). Names
+ * are converted to identifiers; displayName keeps the original.
+ * usd_write uses UsdSkel: the targets of gltf_write as blend shapes that list their points, their
+ * weights in a SkelAnimation, and a skeleton of one fixed joint. options: tolerance_mm and
+ * max_targets. usd_write_points writes the points of each frame, without normals. */
 CHECKED mrt_result usd_write(const char *path, const clip *c, const gltf_options *options,
                              double mm_per_unit, const export_progress *progress,
                              gltf_report *out_report, error *err);
 CHECKED mrt_result usd_write_points(const char *path, const clip *c, double mm_per_unit,
                                     const export_progress *progress, error *err);
 
-/* .bvh: the hands that were there, MRT_JOINTS each, in the hand frame of plugin.h: +y out of the
- * back of the hand, +z along the fingers. One root, "Hands", at the origin; then "LeftHand" and
- * "RightHand" with the bones' names of VRM. A wrist that nothing tracks stands 120 mm from the
- * root, the left one at +x. A hand that is gone is held. Refused where no hand ever was there. */
+/* Writes .bvh: the hands of the clip, MRT_JOINTS each, in the hand frame of plugin.h: +y out of the
+ * back of the hand, +z along the fingers. The root "Hands" is at the origin. Below it are
+ * "LeftHand" and "RightHand", with the bone names of VRM. An untracked wrist is 120 mm from the
+ * root, the left one at +x. A hand that disappears keeps its pose. A clip without any hand is
+ * refused. */
 CHECKED mrt_result bvh_write(const char *path, const clip *c, double mm_per_unit,
                              const export_progress *progress, error *err);
 
-/* The table of Live Link Face, of what the clip says in ARKit's names (clip_add_arkit): Timecode as
+/* Writes the table of Live Link Face, from the values of clip_add_arkit: Timecode as
  * HH:MM:SS:FF.fff, BlendShapeCount, then arkit_name. */
 CHECKED mrt_result livelink_write(const char *path, const clip *c, const export_progress *progress,
                                   error *err);
 
-/* .vrma, VRM animation 1.0: the turns of neck, head (a bone "head", else "skull") and jaw, the gaze
- * as the middle of both eyes', and as expressions what the clip says in ARKit's names: each by its
- * name, and aa, blinkLeft and blinkRight. */
+/* Writes .vrma, VRM animation 1.0: the rotations of neck, head (a bone "head", else "skull") and
+ * jaw, the gaze as the mean of both eyes, and the values of clip_add_arkit as expressions: each by
+ * its name, and aa, blinkLeft and blinkRight. */
 CHECKED mrt_result vrma_write(const char *path, const clip *c, const export_progress *progress,
                               error *err);
 
-/* A picture, 8-bit RGBA rows from the top. */
+/* Writes a picture, 8-bit RGBA, rows from the top. */
 CHECKED mrt_result png_write(const char *path, const uint8_t *rgba, uint32_t width, uint32_t height,
                              error *err);
 typedef enum png_kind { PNG_WITH_ALPHA = 0, PNG_OPAQUE /* alpha is left out */ } png_kind;

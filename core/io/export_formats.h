@@ -1,7 +1,5 @@
-/* io/export_formats.h - the formats that takes and performances are exported in, as the command
- * lines, their --help and the window offer them. Their writers: io/write/, called by
- * ui/cli/exports.c.
- */
+/* io/export_formats.h - the export formats of takes and performances, for command lines, --help and
+ * the window. Leaves out the writers: io/write/, called by ui/cli/exports.c. */
 #ifndef MAROTTE_IO_EXPORT_FORMATS_H
 #define MAROTTE_IO_EXPORT_FORMATS_H
 

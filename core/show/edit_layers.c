@@ -53,7 +53,7 @@ edit_words edit_clip_words(const take_layer *layer, const take_clip *clip)
 static void list_layers(char *out, size_t size, const take *t)
 {
     size_t used = 0;
-    (void)snprintf(out, size, "it has none");
+    (void)snprintf(out, size, "it has no layers");
     for (uint32_t i = 0; i < t->layer_count && used + 1 < size; ++i) {
         int length = snprintf(out + used, size - used, "%s%u '%.20s'", i ? ", " : "it has ",
                               t->layer[i].id, t->layer[i].name);

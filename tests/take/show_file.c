@@ -104,7 +104,7 @@ static void what_is_no_show_is_refused_by_name(void **state)
         unlink(s->path);
         run_sql(s->path, "CREATE TABLE other(a)");
         assert_int_equal(show_open(&got, s->path, modes[i], &err), MRT_ERR_FORMAT);
-        assert_non_null(strstr(err.text, "not a show"));
+        assert_non_null(strstr(err.text, "not a marotte show"));
         assert_int_equal(show_open(&got, s->folder, modes[i], &err), MRT_ERR_IO);
         assert_false(is_there(s->path, "-lock"));
     }

@@ -215,7 +215,7 @@ static void tables_are_read_as_people_and_spreadsheets_write_them(void **state)
         "\xEF\xBB\xBF# of a spreadsheet\r\n\"jaw.open\" ; note\r\n0.5;left as it was\r\n\r\n1;\r\n",
         2, NULL);
     expect_table("a,b\n1,2\n3\n", 0, "t.csv:3: 1 cells, the line of names has 2");
-    expect_table("a,a\n1,2\n", 0, "two columns are called \"a\"");
+    expect_table("a,a\n1,2\n", 0, "two columns have the name \"a\"");
     expect_table("a,b\n", 0, "no rows");
     expect_table("# nothing\n\n", 0, "no line with the names");
 }

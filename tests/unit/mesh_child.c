@@ -88,7 +88,7 @@ static void damaged_stl_files_are_refused(void **state)
     unsigned char data[512];
     (void)write_stl(data);
     write_file(mesh_path, data, 120);
-    assert_refused("there are no vertices");
+    assert_refused("it has no vertices");
     write_file(mesh_path, "solid x\nfacet junk\n", 19);
     assert_refused("");
 }

@@ -110,14 +110,14 @@ static void lies_about_draco_are_refused_by_name(void **state)
     } lies[] = {
         {"'count':4,'type':'VEC3'},{", "'count':5,'type':'VEC3'},{", "differ"},
         {"'count':6", "'count':9", "has 4 vertices and 2 triangles, the file says 4 and 3"},
-        {"'count':6", "'count':2000000000", "its counts make no sense"},
+        {"'count':6", "'count':2000000000", "its counts are invalid"},
         {"'count':6", "'count':60000000", "it needs more than"},
         {"{'bufferView':0,'attr", "{'bufferView':3,'attr", "compressed data is not there"},
         {"{'bufferView':0,'attr", "{'bufferView':'x','attr", "compressed data is not there"},
         {"{'buffer':0,'byteLength':149}", "{'buffer':0,'byteLength':999}", "past the end"},
         {"{'buffer':0,'byteLength':149}", "{'buffer':7,'byteLength':149}", "buffer is not there"},
         {"'_MARK':2}}", "'_MARK':9}}", "attribute 9 is not in the Draco data"},
-        {"5121,'count':4", "5124,'count':4", "its compression makes no sense"},
+        {"5121,'count':4", "5124,'count':4", "its compression settings are invalid"},
         {"'indices':1,", "'indices':1,'mode':5,", "only triangles"},
         {"'indices':1,", "'indices':99,", "accessor"}};
     for (size_t i = 0; i < sizeof lies / sizeof *lies; ++i) {

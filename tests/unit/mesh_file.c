@@ -167,13 +167,13 @@ static void errors_start_with_the_path(void **state)
     a = read_text("a.obj", "", 0);
     assert_refused(&a, "the file is empty");
     a = read_text("a.fbx", "Kaydara", 0);
-    assert_refused(&a, "no mesh format that is known");
+    assert_refused(&a, "unknown mesh format");
     a = read_text("face.glb", "\x89PNG\r\n", 0);
-    assert_refused(&a, "is no mesh but a PNG picture");
+    assert_refused(&a, "not a mesh file: a PNG picture");
     a = read_text("a.glb", "<!DOCTYPE html>", 0);
-    assert_refused(&a, "is no mesh but a page of the web");
+    assert_refused(&a, "not a mesh file: a web page");
     a = read_text("a.fbx", "Kaydara FBX Binary", 0);
-    assert_refused(&a, "is no mesh but an FBX file");
+    assert_refused(&a, "not a mesh file: an FBX file");
     a = read_text("a.glb", "glTF", 0);
     assert_refused(&a, "the .glb ends within its header");
     a = read_text("a.obj", "v 0 0 0\nv 3e38 0 0\nv 0 1 0\nf 1 2 3\n", 1000);

@@ -149,8 +149,8 @@ static void colours_and_other_coordinates_are_read(void **state)
                        "'texCoord':1}},'normalTexture':{'index':0}}]" PICTURE);
     assert_memory_equal(m.uv, buffer.uv_more, sizeof buffer.uv_more);
     assert_true(m.colour[0] == 1.0f && m.colour[1] == 0.0f && m.colour[7] == 0.2f);
-    assert_int_equal(m.material[0].normal.image, 0); /* it lies on other coordinates */
-    assert_non_null(strstr(m.note, "lies on other coordinates"));
+    assert_int_equal(m.material[0].normal.image, 0); /* it uses other texture coordinates */
+    assert_non_null(strstr(m.note, "uses other texture coordinates"));
     mesh copy;
     error err;
     assert_int_equal(mesh_copy(&copy, &m, &err), MRT_OK);

@@ -154,7 +154,7 @@ static void a_picture_of_its_own_alpha_is_cut_out(void **state)
     mesh_destroy(&m);
     m = read_with("map_Kd skin.png\nmap_d tex/skin.jpg");
     assert_int_equal(m.material[0].alpha, MESH_ALPHA_OPAQUE);
-    expect_note(&m, "the picture \"tex/skin.jpg\" is not drawn: how clear");
+    expect_note(&m, "the picture \"tex/skin.jpg\" is not drawn: transparency");
     mesh_destroy(&m);
 }
 
@@ -202,8 +202,8 @@ static void what_is_missing_or_outside_is_told(void **state)
                  {"map_Kd head.obj", "neither PNG nor JPEG"},
                  {"map_Kd cut.png", "the picture \"cut.png\" is not drawn: the PNG is damaged"},
                  {"map_Kd \x1b[31m.png", "the picture \"?[31m.png\" is not drawn: "},
-                 {"map_Kd -s 1", "1 lines of its materials make no sense"},
-                 {"Kd red\nd x\nKe", "3 lines of its materials make no sense"}};
+                 {"map_Kd -s 1", "1 lines of its materials are invalid"},
+                 {"Kd red\nd x\nKe", "3 lines of its materials are invalid"}};
     run("ln -sf ../outside.png head/link.png && head -c 60 head/skin.png >head/cut.png");
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         mesh m = read_with(cases[i].says);

@@ -111,7 +111,7 @@ static void a_small_window_keeps_room_for_its_panels(void **state)
     scene_frames(&s, 3);
     assert_float_equal(workspace_scale(s.workspace), 1.1f, 0.001f);
     scene_do(&s, ACTION_HELP);
-    assert_non_null(scene_word(&s, "No room here: 110 %"));
+    assert_non_null(scene_word(&s, "Limited to 110 % here"));
     scene_look(&s, "habits_no_room");
     scene_check_words(&s);
     const ui_word *size = scene_word(&s, "Text 200 %");

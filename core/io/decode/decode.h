@@ -1,6 +1,7 @@
-/* io/decode/decode.h - what other people's decoders make of untrusted bytes: Draco, meshopt, PNG
- * and JPEG. They run in marotte-meshload alone (decode_run asks it), one job after the other; here
- * is what a job says and what it answers. Leaves out where the bytes come from. */
+/* io/decode/decode.h - jobs for the decoders of other libraries, on untrusted bytes: Draco,
+ * meshopt, PNG and JPEG. They run only in marotte-meshload (started by decode_run), one job after
+ * the other. This file defines the jobs and their answers. Leaves out the source of the bytes.
+ * Threads: see decode_run. */
 #ifndef MAROTTE_IO_DECODE_H
 #define MAROTTE_IO_DECODE_H
 #include "base/error.h"
@@ -23,7 +24,7 @@ typedef struct decode_attribute { /* of a Draco mesh */
     uint32_t component_count;
 } decode_attribute;
 
-/* What is asked for. Everything in it that a file says is only a claim. */
+/* The parameters of a job. Values from a file are unverified. */
 typedef struct decode_order {
     decode_kind kind;
     uint32_t count;  /* of vertices (Draco), of elements (meshopt) */
@@ -32,7 +33,7 @@ typedef struct decode_order {
     uint32_t filter; /* meshopt: a decode_filter */
     uint32_t index_count, attribute_count;
     decode_attribute attribute[DECODE_ATTRIBUTES_MAX];
-    uint32_t side_max; /* an image is made smaller until no side is longer, px */
+    uint32_t side_max; /* an image is reduced until no side is longer than this, px */
 } decode_order;
 
 typedef enum decode_mode {
@@ -57,26 +58,28 @@ typedef struct decode_job {
     decode_order order;
     const void *data; /* size bytes */
     size_t size;
-    /* The answer: decode_job_finish frees it. NULL: it could not be decoded, and why. */
+    /* The answer, freed by decode_job_finish. NULL: decoding failed, and `failed` has the reason.
+     */
     void *out;
     size_t out_size;
     error failed;
 } decode_job;
 
-/* Runs the jobs in the child process, in their order; a job that crashes it fails alone. An error
- * is only that there is no such process. [main], waits up to 20 s. */
+/* Runs the jobs in order in the child process. A job that crashes it fails alone. The call itself
+ * fails only if the process cannot be started. [main], waits up to 20 s. */
 CHECKED mrt_result decode_run(decode_job *job, uint32_t count, error *err);
 void decode_job_finish(decode_job *job); /* accepts zeroed */
 
-/* How many bytes the answer to a Draco or meshopt job has; 0: the order makes no sense. */
+/* Returns the size of the answer to a Draco or meshopt job; 0: the order is invalid. */
 size_t decode_answer_size(const decode_order *order);
 
 /* ---- in the child ---- */
 
-/* Reads jobs from a stream, answers each as soon as it is done. False: the request is cut off. */
+/* Reads jobs from a stream and answers each one when it is done. False: the request is truncated.
+ * */
 bool decode_serve(FILE *request, FILE *answer);
 
-/* The adapters: out_data is malloc'ed. What they are given may be anything. */
+/* The adapters. out_data is malloc'ed. Their input is untrusted. */
 CHECKED mrt_result draco_decode(void **out_data, size_t *out_size, const decode_order *order,
                                 const void *data, size_t size, error *err);
 CHECKED mrt_result meshopt_decode(void **out_data, size_t *out_size, const decode_order *order,

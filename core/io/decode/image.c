@@ -71,7 +71,8 @@ static void jpeg_stay_silent(j_common_ptr state, int level)
     (void)level;
 }
 
-/* Decoded smaller where it is larger than wanted: eighths of its size cost next to nothing. */
+/* Decodes at a reduced size if the picture is too large: eighths of its size cost almost nothing.
+ * */
 static void choose_scale(jpeg_reader *r, uint32_t side_max)
 {
     uint32_t longer =
@@ -129,7 +130,8 @@ static mrt_result decode_jpeg(pixels *out, const void *data, size_t size, uint32
 
 /* ---- both ---- */
 
-/* In place: each pixel the mean of up to four. Odd last rows and columns stand for two. */
+/* Halves the picture in place: each pixel is the mean of up to four. Odd last rows and columns are
+ * used twice. */
 static void halve(pixels *p)
 {
     uint32_t width = (p->width + 1) / 2, height = (p->height + 1) / 2;

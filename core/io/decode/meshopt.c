@@ -4,7 +4,7 @@
 #include <meshoptimizer.h>
 #include <stdlib.h>
 
-/* What each mode and filter may be asked for; the library only asserts it. */
+/* Checks the combination of mode and filter, which the library only asserts. */
 static bool is_sensible(const decode_order *order)
 {
     uint32_t stride = order->stride;

@@ -18,7 +18,7 @@ static mrt_result decode(void **out_data, size_t *out_size, const decode_order *
     case DECODE_KINDS:
         break;
     }
-    return error_set(err, MRT_ERR_ARGUMENT, "there is no decoder %d", (int)order->kind);
+    return error_set(err, MRT_ERR_ARGUMENT, "unknown decoder %d", (int)order->kind);
 }
 
 /* An answer: 1 and the size and the bytes, or 0 and the length and the words of a reason. */

@@ -21,7 +21,7 @@ static mrt_result no_memory(const reading *r, error *err)
     return error_set(err, MRT_ERR_MEMORY, "%s: no memory for the table", r->path);
 }
 
-/* The next line that says something; false: none. */
+/* Finds the next line with content; false: no more lines. */
 static bool next_line(reading *r, text_view *out)
 {
     while (text_next_line(&r->rest, out)) {
@@ -33,7 +33,7 @@ static bool next_line(reading *r, text_view *out)
     return false;
 }
 
-/* The next cell of a line, without quotes around it; false: there is none. */
+/* Reads the next cell of a line, without its quotes; false: no more cells. */
 static bool next_cell(const reading *r, text_view *line, text_view *out)
 {
     if (!text_next_field(line, r->separator, out))
@@ -60,7 +60,7 @@ static mrt_result read_head(curve_table *out, reading *r, error *err)
     r->separator = memchr(line.at, ',', (size_t)(line.end - line.at)) ? ',' : ';';
     uint32_t count = count_cells(r, line);
     if (count > COLUMNS_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s:%u: %u columns, at most %d are possible",
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s:%u: %u columns; at most %d are possible",
                          r->path, r->line, count, COLUMNS_MAX);
     out->name = calloc(count, sizeof *out->name);
     out->bad_row = calloc(count, sizeof *out->bad_row);
@@ -74,7 +74,7 @@ static mrt_result read_head(curve_table *out, reading *r, error *err)
         text_copy(name, size, cell);
         if (name[0] && curve_table_find(out, name) != CURVE_TABLE_NONE) {
             mrt_result result =
-                error_set(err, MRT_ERR_FORMAT, "%s:%u: two columns are called \"%s\"", r->path,
+                error_set(err, MRT_ERR_FORMAT, "%s:%u: two columns have the name \"%s\"", r->path,
                           r->line, name);
             free(name);
             return result;
@@ -149,7 +149,8 @@ void curve_table_finish(curve_table *t)
 mrt_result curve_table_parse(curve_table *out, const void *data, size_t size, const char *path,
                              error *err)
 {
-    static const char mark[] = "\xEF\xBB\xBF"; /* of UTF-8, as spreadsheets write it */
+    static const char mark[] =
+        "\xEF\xBB\xBF"; /* byte order mark of UTF-8, which spreadsheets write */
     reading r = {.path = path};
     uint32_t capacity = 0;
     text_view line;

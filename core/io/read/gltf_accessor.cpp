@@ -95,7 +95,7 @@ gltf_accessor::gltf_accessor(const tinygltf::Model &model, int index)
         check_sparse();
 }
 
-/* Subtractions instead of additions: nothing can overflow. */
+/* Uses subtractions instead of additions, so that an overflow is impossible. */
 gltf_array gltf_accessor::find(int view_index, size_t offset, size_t element_size, size_t count,
                                size_t component_size) const
 {

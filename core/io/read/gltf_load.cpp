@@ -547,7 +547,8 @@ struct job_list {
         for (size_t i = 0; i < jobs.size(); ++i) {
             size_t size = decode_answer_size(&jobs[i].order);
             if (size == 0)
-                gltf_fail(MRT_ERR_FORMAT, "%s: its compression makes no sense", names[i].c_str());
+                gltf_fail(MRT_ERR_FORMAT, "%s: its compression settings are invalid",
+                          names[i].c_str());
             if (budget_spend_bytes(&all, size + jobs[i].size, &failed) < 0)
                 gltf_fail(MRT_ERR_UNSUPPORTED, "%s: %s", names[i].c_str(), failed.text);
         }
@@ -618,7 +619,7 @@ void add_meshopt(job_list &out, const tinygltf::Model &model, size_t index)
     int64_t stride = gltf_whole(gltf_member(how, "byteStride"), -1);
     int64_t count = gltf_whole(gltf_member(how, "count"), -1);
     if (offset < 0 || length <= 0 || stride <= 0 || count <= 0)
-        gltf_fail(MRT_ERR_FORMAT, "%s: its compression makes no sense", name.c_str());
+        gltf_fail(MRT_ERR_FORMAT, "%s: its compression settings are invalid", name.c_str());
     text_view bytes = bytes_of(model, (int)gltf_whole(gltf_member(how, "buffer"), -1),
                                (size_t)offset, (size_t)length, name);
     decode_order &order = out.add(DECODE_MESHOPT, bytes, name);
@@ -665,7 +666,7 @@ uint32_t count_of(const tinygltf::Accessor &accessor, const std::string &name)
 {
     const size_t count_max = (size_t)1 << 26;
     if (accessor.count == 0 || accessor.count > count_max)
-        gltf_fail(MRT_ERR_FORMAT, "%s: its counts make no sense", name.c_str());
+        gltf_fail(MRT_ERR_FORMAT, "%s: its counts are invalid", name.c_str());
     return (uint32_t)accessor.count;
 }
 

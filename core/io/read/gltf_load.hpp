@@ -1,7 +1,7 @@
-/* io/read/gltf_load.hpp - a glTF document as tinygltf's model: out of its .glb, checked for what
- * tinygltf takes on trust (types, whole numbers, sizes, buffers from outside), decompressed.
- * Private to the glTF reader and writer. Failures travel as gltf_failure up to the C border in
- * gltf_reader.cpp. */
+/* io/read/gltf_load.hpp - loads a glTF document as tinygltf's model: extracted from its .glb,
+ * checked for everything that tinygltf does not check (types, whole numbers, sizes, external
+ * buffers), decompressed. Private to the glTF reader and writer. Failures are gltf_failure, up to
+ * the C functions in gltf_reader.cpp. */
 #ifndef MAROTTE_IO_GLTF_LOAD_HPP
 #define MAROTTE_IO_GLTF_LOAD_HPP
 #include <stdexcept>
@@ -33,12 +33,12 @@ struct gltf_container { /* pieces of the caller's bytes */
     bool is_binary;
 };
 
-/* A .glb by its first four bytes, else the whole is JSON. The JSON keeps the limits on its size,
- * nesting and number of values. */
+/* Parses a .glb, detected by its first four bytes, else plain JSON. The JSON must keep the limits
+ * on its size, nesting and number of values. */
 CHECKED mrt_result gltf_container_parse(gltf_container *out, const void *data, size_t size,
                                         error *err);
 
-struct gltf_image { /* what the document says of a picture; nobody has looked at it */
+struct gltf_image { /* the description of a picture, not checked yet */
     std::string name, uri;
     int view; /* -1: none */
 };
@@ -52,21 +52,21 @@ struct gltf_document {
 /* `directory`: as in gltf_parse. */
 gltf_document gltf_load(const gltf_container &container, const char *directory);
 
-/* The text as a person may see it. */
+/* Returns the text in printable form. */
 std::string gltf_printable(const std::string &text);
 /* "a%20b" of a URI. */
 std::string gltf_percent_decoded(const std::string &uri);
 
-/* Decodes what is compressed in it. `file_size` bounds what that may take. */
+/* Decodes compressed data. `file_size` limits the memory for it. */
 void gltf_decode(tinygltf::Model &model, size_t file_size);
 
 const tinygltf::Accessor &gltf_accessor_at(const tinygltf::Model &model, int index);
 
-/* ---- what extensions say, which nobody has checked ---- */
+/* ---- values of extensions, not checked yet ---- */
 
-/* A member of an object, else an empty value. */
+/* Returns a member of an object, else an empty value. */
 const tinygltf::Value &gltf_member(const tinygltf::Value &of, const char *key);
-/* A whole number, else `otherwise`. */
+/* Returns a whole number, else `otherwise`. */
 int64_t gltf_whole(const tinygltf::Value &value, int64_t otherwise);
 
 #endif

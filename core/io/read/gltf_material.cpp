@@ -211,7 +211,7 @@ class material_reader
                       model_.textures.size());
         const value &transform = extension(extensions, "KHR_texture_transform");
         if ((int)gltf_whole(gltf_member(transform, "texCoord"), uv_set) != material_uv_set) {
-            note(material, "one of its textures lies on other coordinates");
+            note(material, "one of its textures uses other texture coordinates");
             return out;
         }
         const tinygltf::Texture &texture = model_.textures[(size_t)index];

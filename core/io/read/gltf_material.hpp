@@ -1,6 +1,6 @@
-/* io/read/gltf_material.hpp - what a glTF file says of how its surfaces look: materials, textures,
- * VRM's toon shading, and the pictures that they use, still encoded. Private to the glTF reader;
- * failures are gltf_failure, but a picture that is not there is only noted. */
+/* io/read/gltf_material.hpp - the materials of a glTF file: textures, VRM's toon shading, and their
+ * pictures, still encoded. Private to the glTF reader. Failures are gltf_failure, but a missing
+ * picture is only noted. */
 #ifndef MAROTTE_IO_GLTF_MATERIAL_HPP
 #define MAROTTE_IO_GLTF_MATERIAL_HPP
 #include "io/read/gltf_load.hpp"
@@ -15,7 +15,7 @@ extern "C" {
 void gltf_materials(mesh &out, const gltf_document &document, const std::vector<bool> &is_used,
                     bool with_default, const char *directory, size_t file_size);
 
-/* Which TEXCOORD_n the material's textures lie on. */
+/* Returns n of the TEXCOORD_n of the material's textures. */
 int gltf_material_uv_set(const tinygltf::Model &model, int material);
 
 /* Memory that mesh_destroy frees: a name, made printable. */

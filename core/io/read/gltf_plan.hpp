@@ -1,6 +1,6 @@
-/* io/read/gltf_plan.hpp - what a glTF scene will be as one mesh: which vertices, triangles, morph
- * targets and attributes, and how much memory they take, before any of it is read. Private to the
- * glTF reader; failures are gltf_failure. */
+/* io/read/gltf_plan.hpp - plans one mesh from a glTF scene: its vertices, triangles, morph targets
+ * and attributes, and their memory, before any of them is read. Private to the glTF reader;
+ * failures are gltf_failure. */
 #ifndef MAROTTE_IO_GLTF_PLAN_HPP
 #define MAROTTE_IO_GLTF_PLAN_HPP
 #include "io/read/gltf_scene.hpp"
@@ -44,7 +44,7 @@ struct gltf_plan {
 /* `file_size` bounds the memory that the plan may ask for. */
 gltf_plan gltf_plan_of(const tinygltf::Model &model, size_t file_size);
 
-/* The accessor of the coordinates that the primitive's textures lie on; -1: none. */
+/* Returns the accessor of the texture coordinates of the primitive; -1: none. */
 int gltf_uv_accessor(const tinygltf::Model &model, const tinygltf::Primitive &primitive);
 /* Of its vertex colours; -1: none. */
 int gltf_colour_accessor(const tinygltf::Primitive &primitive);

@@ -1,5 +1,5 @@
-/* io/read/gltf_scene.hpp - which meshes a glTF scene shows, and where: the nodes flattened, the
- * skeleton, and the skins that hang meshes on it. VRM's humanoid map says what the joints are.
+/* io/read/gltf_scene.hpp - the meshes of a glTF scene and their positions: flattened nodes, the
+ * skeleton, and the skins that bind meshes to it. VRM's humanoid map gives the roles of the joints.
  * Leaves out animation. Private to the glTF reader and writer; failures are gltf_failure. */
 #ifndef MAROTTE_IO_GLTF_SCENE_HPP
 #define MAROTTE_IO_GLTF_SCENE_HPP
@@ -36,7 +36,7 @@ struct gltf_world_node {
 struct gltf_scene {
     std::vector<gltf_instance> instances; /* in the order of the nodes */
     std::vector<gltf_world_node> nodes;   /* parents first */
-    bool has_nodes;                       /* false: every mesh once, as it is */
+    bool has_nodes;                       /* false: every mesh once, without a transform */
 };
 
 gltf_scene gltf_scene_of(const tinygltf::Model &model);
@@ -69,11 +69,11 @@ struct gltf_skeleton {
 
 gltf_skeleton gltf_skeleton_of(const tinygltf::Model &model, const gltf_scene &scene);
 
-/* A skin on one primitive's vertices: what each follows, and where that puts it. */
+/* The skin of one primitive: the joints of each vertex, and the transform that they give. */
 class gltf_skin
 {
   public:
-    /* `instance` is of `scene`; without a usable skin it rides on a joint, or stands in the world.
+    /* `instance` is of `scene`. Without a usable skin it follows a joint, or is fixed in the world.
      */
     gltf_skin(const tinygltf::Model &model, const gltf_skeleton &skeleton,
               const gltf_instance &instance);
@@ -108,7 +108,7 @@ class gltf_skin
     std::vector<uint32_t> joint_;        /* of the skin: which of the skeleton's */
     std::vector<gltf_transform> matrix_; /* of the skin's joints: from the file's points to rest */
     gltf_transform common_;              /* of all vertices, when is_rigid_ */
-    bool is_rigid_;                      /* the skin is in its bind pose, or there is none */
+    bool is_rigid_;                      /* the skin is in its bind pose, or is missing */
     uint32_t rides_on_;
     size_t width_ = 0; /* influences of a vertex */
     std::vector<influence> influence_;

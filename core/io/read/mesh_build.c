@@ -65,7 +65,7 @@ static mrt_result table_grow(mesh_build_table *t, error *err)
     return MRT_OK;
 }
 
-/* Finds or adds. */
+/* Finds a name, or adds it. */
 static mrt_result table_find(mesh_build_table *t, const char *text, uint32_t material,
                              uint32_t *out_item, error *err)
 {
@@ -334,7 +334,7 @@ void mesh_build_note_degenerate(mesh *m)
         mesh_note(m, "%zu triangles use a vertex twice and have no area", count);
 }
 
-/* Copies the triangles of part after part, in file order within each. */
+/* Copies the triangles sorted by part, in file order within each part. */
 static void sort_triangles(const mesh_build *b, mesh *out)
 {
     uint32_t next = 0;
@@ -380,13 +380,15 @@ static mrt_result take_names(mesh_build *b, mesh *out, error *err)
     return MRT_OK;
 }
 
-/* ---- vertices that lie at several places of a picture ---- */
+/* ---- splitting vertices with several texture coordinates ---- */
 
-enum { VERSIONS_MAX = 64 }; /* of a vertex that are looked through; more are not shared any more */
+enum {
+    VERSIONS_MAX = 64
+}; /* versions of a vertex that are searched; further ones are not shared */
 
 typedef struct splitting {
     mesh_build *b;
-    uint32_t *next; /* of each vertex the next version of the same one; UINT32_MAX: the last */
+    uint32_t *next; /* per vertex: the next version of the same vertex; UINT32_MAX: the last */
     size_t count, uv_capacity, next_capacity, origin_capacity;
 } splitting;
 
@@ -414,7 +416,7 @@ static void add_version(splitting *s, uint32_t origin, uint32_t next, const floa
     s->count += 1;
 }
 
-/* The version of a vertex that lies there, or a new one. */
+/* Finds the version of a vertex with these coordinates, or adds one. */
 static mrt_result find_version(splitting *s, uint32_t *vertex, const float uv[2], error *err)
 {
     const uint32_t origin = *vertex;
@@ -494,7 +496,7 @@ mrt_result mesh_build_take(mesh_build *b, mesh *out, error *err)
     *out = (mesh){0};
     mrt_result result = MRT_ERR_FORMAT;
     if (b->vertex_count == 0) {
-        error_set(err, result, "there are no vertices in it");
+        error_set(err, result, "it has no vertices");
         goto fail;
     }
     if (b->triangle_count == 0) {

@@ -1,7 +1,6 @@
-/* io/read/mesh_build.h - collects what a mesh reader finds, vertex by vertex and corner by corner,
- * and makes a mesh of it: polygons become triangles, groups become parts. Leaves out the file
- * formats. Memory grows with what was added, never with what a header promises. One thread at a
- * time. */
+/* io/read/mesh_build.h - builds a mesh from the vertices and corners that a reader adds: polygons
+ * become triangles, groups become parts. Leaves out the file formats. Memory grows only with the
+ * added data, never with the counts in a header. One thread at a time. */
 #ifndef MAROTTE_IO_MESH_BUILD_H
 #define MAROTTE_IO_MESH_BUILD_H
 #include "base/text.h"
@@ -55,18 +54,18 @@ void mesh_build_material(mesh_build *b, text_view name);
 /* A face: its corners, each a vertex that was added before, then its end (>= 3 corners). */
 CHECKED mrt_result mesh_build_corner(mesh_build *b, int64_t vertex, error *err);
 CHECKED mrt_result mesh_build_face(mesh_build *b, error *err);
-/* Where the last corner lies in a picture, of a build that keeps it. */
+/* Sets the texture coordinates of the last corner, if the build keeps them. */
 void mesh_build_corner_uv(mesh_build *b, const float uv[2]);
-/* Moves everything into `out` (a mesh without vertices or faces is an error) and finishes `b`. A
- * vertex that lies at several places of a picture is split: the first of them keeps its number, the
- * others come behind all vertices, and are one point with it (mesh.point). */
+/* Moves everything into `out` and finishes `b`. A mesh without vertices or faces is an error. A
+ * vertex with several texture coordinates is split: the first one keeps its number, the others
+ * follow all vertices, and all of them share one point (mesh.point). */
 CHECKED mrt_result mesh_build_take(mesh_build *b, mesh *out, error *err);
 
 /* Sets first_vertex and vertex_count of every part from its triangles. */
 void mesh_build_part_ranges(mesh *m);
 /* Makes the normals unit; drops them all, with a note, if one has no direction. */
 void mesh_build_unit_normals(mesh *m);
-/* Notes how many triangles use a vertex twice. */
+/* Notes the number of triangles that use a vertex twice. */
 void mesh_build_note_degenerate(mesh *m);
 /* Of a text that is read: "EXPECTED was expected, "FOUND" was found". */
 mrt_result mesh_text_unexpected(error *err, const char *expected, text_view found);

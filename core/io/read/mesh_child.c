@@ -19,7 +19,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* ---- what is said between the two ---- */
+/* ---- the format between the two processes ---- */
 
 enum { MAGIC_SIZE = 8, HEADER_SIZE = 20, COUNT_MAX = INT32_MAX / 3 };
 static const char MESH_MAGIC[MAGIC_SIZE + 1] = "MRTMESH1",
@@ -87,10 +87,10 @@ mrt_result mesh_wire_parse(mesh *out, const void *data, size_t size, error *err)
     return result;
 }
 
-/* ---- the other process ---- */
+/* ---- the child process ---- */
 
 static const int64_t PATIENCE_NS = 20 * NS_PER_S;
-static const size_t ANSWER_SIZE_MAX = (size_t)1536 << 20; /* bytes: what the child may use itself */
+static const size_t ANSWER_SIZE_MAX = (size_t)1536 << 20; /* memory limit of the child, bytes */
 
 typedef struct child_output {
     char *data;
@@ -117,18 +117,18 @@ static bool write_all(int fd, const char *at, size_t size)
     return lseek(fd, 0, SEEK_SET) == 0;
 }
 
-/* A file without a name, from its beginning: a pipe would have both wait for each other. */
+/* Opens an unnamed file with the input. With a pipe both processes could wait for each other. */
 static mrt_result open_input(int *out_fd, const void *input, size_t size, error *err)
 {
     int fd = input ? (int)syscall(SYS_memfd_create, "marotte-decode", MFD_CLOEXEC)
                    : open("/dev/null", O_RDONLY | O_CLOEXEC);
     if (fd < 0)
-        return error_set(err, MRT_ERR_IO, "no room for what its reader is given: %s",
+        return error_set(err, MRT_ERR_IO, "no space for the input of its reader: %s",
                          strerror(errno));
     if (input && !write_all(fd, input, size)) {
         int code = errno;
         close(fd);
-        return error_set(err, MRT_ERR_MEMORY, "no memory for what its reader is given: %s",
+        return error_set(err, MRT_ERR_MEMORY, "out of memory for the input of its reader: %s",
                          strerror(code));
     }
     *out_fd = fd;
@@ -160,7 +160,7 @@ static mrt_result start(pid_t *out_pid, int *out_fd, const char *argument, int i
 
 /* ---- its answer ---- */
 
-/* MRT_END: all is read. */
+/* MRT_END: the end of the output. */
 static mrt_result read_some(child_output *a, int fd, error *err)
 {
     const size_t step = 1 << 16;
@@ -197,16 +197,16 @@ static mrt_result read_answer(child_output *a, int fd, error *err)
     return result;
 }
 
-/* From the end of its answer to its own. */
+/* Time from the end of its answer to its exit. */
 static const int64_t goodbye_ns = 10 * NS_PER_S;
 
-/* How it ended, if that was not of its own will. */
+/* Sets the reason if the child was ended by a signal. */
 static mrt_result judge(pid_t pid, error *err)
 {
     int status;
     if (!program_wait(pid, &status, goodbye_ns))
         return error_set(err, MRT_ERR_FORMAT,
-                         "its reader does not end: the file is probably damaged");
+                         "its reader did not end: the file is probably damaged");
     if (!WIFSIGNALED(status))
         return MRT_OK;
     if (WTERMSIG(status) == SIGXCPU)
@@ -217,8 +217,8 @@ static mrt_result judge(pid_t pid, error *err)
 }
 
 /* Starts marotte-meshload with one argument and these bytes as its standard input (NULL: none), and
- * waits for its end. What it answered is there whatever came of it, to be freed; an error says how
- * it ended, if that was not of its own will. */
+ * waits for its end. The caller frees its answer after any result. The error describes an abnormal
+ * end. */
 static mrt_result ask(void **out_answer, size_t *out_size, const char *argument, const void *input,
                       size_t input_size, error *err)
 {
@@ -263,9 +263,7 @@ mrt_result mesh_child_read(mesh *out, const char *path, error *err)
     return result;
 }
 
-/* ---- jobs to its decoders, answers back: nothing in an answer is trusted but what the order
- * allows
- * ---- */
+/* ---- jobs to its decoders, and answers: an answer must match its order exactly ---- */
 
 /* 0: not one of glTF's. */
 static size_t component_size(uint32_t type)
@@ -309,7 +307,7 @@ static mrt_result make_request(void **out, size_t *out_size, const decode_job *j
         *out_size += sizeof job[i].order + sizeof(uint64_t) + job[i].size;
     char *at = *out = malloc(*out_size + 1);
     if (!at)
-        return error_set(err, MRT_ERR_MEMORY, "no memory for what is to be decoded");
+        return error_set(err, MRT_ERR_MEMORY, "out of memory for the data to decode");
     for (uint32_t i = 0; i < count; ++i) {
         uint64_t size = job[i].size;
         at = put(at, &job[i].order, sizeof job[i].order);
@@ -319,7 +317,7 @@ static mrt_result make_request(void **out, size_t *out_size, const decode_job *j
     return MRT_OK;
 }
 
-/* Whether an answer of so many bytes can be one to the order. */
+/* Returns true if an answer of that size is valid for the order. */
 static bool fits(const decode_order *order, const void *answer, uint64_t size)
 {
     decode_image_size image;
@@ -334,7 +332,7 @@ static bool fits(const decode_order *order, const void *answer, uint64_t size)
            size == sizeof image + (uint64_t)image.width * image.height * 4;
 }
 
-/* How many of the jobs have been answered. */
+/* Returns the number of answered jobs. */
 static uint32_t take_answers(decode_job *job, uint32_t count, const char *at, size_t size)
 {
     for (uint32_t i = 0; i < count; ++i) {
@@ -349,14 +347,15 @@ static uint32_t take_answers(decode_job *job, uint32_t count, const char *at, si
             text_copy(job[i].failed.text, sizeof job[i].failed.text,
                       text_view_of(body, (size_t)head[1]));
         } else if (!fits(&job[i].order, body, head[1])) {
-            (void)error_set(&job[i].failed, MRT_ERR_FORMAT, "its decoder answers nonsense");
+            (void)error_set(&job[i].failed, MRT_ERR_FORMAT, "its decoder returned invalid data");
         } else {
             job[i].out = malloc((size_t)head[1]);
             job[i].out_size = (size_t)head[1];
             if (job[i].out)
                 memcpy(job[i].out, body, (size_t)head[1]);
             else
-                (void)error_set(&job[i].failed, MRT_ERR_MEMORY, "no memory for what was decoded");
+                (void)error_set(&job[i].failed, MRT_ERR_MEMORY,
+                                "out of memory for the decoded data");
         }
         at = body + head[1];
         size -= sizeof head + (size_t)head[1];
@@ -383,7 +382,7 @@ mrt_result decode_run(decode_job *job, uint32_t count, error *err)
             return error_set(err, result, "%s", ended.text);
         job += done;
         count -= done;
-        /* The next one ended it. After a few, the others are not tried any more. */
+        /* The next job crashed it. After a few crashes, the remaining jobs are skipped. */
         for (uint32_t i = 0; i < count && (i == 0 || crash == CRASHES_MAX); ++i)
             job[i].failed = ended;
         uint32_t passed_over = crash == CRASHES_MAX ? count : count > 0;

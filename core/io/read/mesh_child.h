@@ -13,14 +13,14 @@ CHECKED mrt_result mesh_child_read(mesh *out, const char *path, error *err);
 /* The argument that makes it decode jobs. A path that is this word is written ./--decode. */
 #define MESH_CHILD_DECODE "--decode"
 
-/* ---- what marotte-meshload says: a mesh without parts, or why there is none ---- */
+/* ---- the output of marotte-meshload: a mesh without parts, or an error ---- */
 
-/* The reader trusts nothing in it. Native byte order: one machine. */
-/* Errors are left in the stream. */
+/* The reader validates all of it. Native byte order: both processes run on one machine. */
+/* Write errors stay in the stream; the caller checks it. */
 void mesh_wire_write(FILE *stream, const mesh *m);
 void mesh_wire_write_failure(FILE *stream, const char *text);
 
-/* A failure that was written comes back as one. */
+/* Parses the output. A written failure is returned as an error. */
 CHECKED mrt_result mesh_wire_parse(mesh *out, const void *data, size_t size, error *err);
 
 #endif

@@ -22,9 +22,9 @@ typedef enum mesh_format {
     FORMAT_FOREIGN /* OpenMesh reads it */
 } mesh_format;
 
-/* ---- which format ---- */
+/* ---- detecting the format ---- */
 
-/* The first word that is no '#' comment. */
+/* Returns the first word outside '#' comments. */
 static text_view first_word(const file_bytes *bytes)
 {
     text_view rest = text_view_of(bytes->data, bytes->size < 4096 ? bytes->size : 4096);
@@ -51,25 +51,24 @@ static mesh_format format_of_content(const file_bytes *bytes)
     return word.at < word.end && *word.at == '{' ? FORMAT_GLTF : FORMAT_UNKNOWN;
 }
 
-/* What is often taken for a mesh, as a person calls it; NULL: it is none of these. */
+/* Names a file type that users often confuse with a mesh; NULL: none of these. */
 static const char *other_kind(const file_bytes *bytes)
 {
     static const struct {
         const char *begins, *is;
         size_t size;
-    } known[] = {
-        {"\x89PNG", "a PNG picture", 4},
-        {"\xff\xd8\xff", "a JPEG picture", 3},
-        {"Kaydara FBX", "an FBX file: export it from Blender as .glb", 11},
-        {"BLENDER", "a file of Blender: export it from there as .glb", 7},
-        {"PK\x03\x04", "an archive: unpack it first", 4},
-        {"7z\xbc\xaf", "an archive: unpack it first", 4},
-        {"Rar!", "an archive: unpack it first", 4},
-        {"RIFF", "a sound or a film", 4},
-        {"%PDF", "a document", 4},
-        {"<!DOCTYPE", "a page of the web: download the file itself", 9},
-        {"<html", "a page of the web: download the file itself", 5},
-        {"version https://git-lfs", "a pointer to a file that lies elsewhere (Git LFS)", 23}};
+    } known[] = {{"\x89PNG", "a PNG picture", 4},
+                 {"\xff\xd8\xff", "a JPEG picture", 3},
+                 {"Kaydara FBX", "an FBX file: import it into Blender and export it as .glb", 11},
+                 {"BLENDER", "a Blender file: export it from Blender as .glb", 7},
+                 {"PK\x03\x04", "an archive: unpack it first", 4},
+                 {"7z\xbc\xaf", "an archive: unpack it first", 4},
+                 {"Rar!", "an archive: unpack it first", 4},
+                 {"RIFF", "a sound or a film", 4},
+                 {"%PDF", "a document", 4},
+                 {"<!DOCTYPE", "a web page: download the file itself", 9},
+                 {"<html", "a web page: download the file itself", 5},
+                 {"version https://git-lfs", "a Git LFS pointer: download the file itself", 23}};
     for (size_t i = 0; i < sizeof known / sizeof *known; ++i)
         if (bytes->size >= known[i].size &&
             memcmp(bytes->data, known[i].begins, known[i].size) == 0)
@@ -93,7 +92,7 @@ static mesh_format format_of_name(const char *path)
     return FORMAT_UNKNOWN;
 }
 
-/* Those that name other files. */
+/* Parses a format that refers to other files. */
 static mrt_result parse_in_folder(mesh *out, mesh_format format, const file_bytes *bytes,
                                   const char *path, mesh_vertices vertices, error *err)
 {
@@ -123,9 +122,8 @@ static mrt_result parse(mesh *out, mesh_format format, const file_bytes *bytes, 
     case FORMAT_UNKNOWN:
         break;
     }
-    return error_set(
-        err, MRT_ERR_UNSUPPORTED,
-        "no mesh format that is known: .obj .ply .off .glb .gltf .vrm .stl .om are read");
+    return error_set(err, MRT_ERR_UNSUPPORTED,
+                     "unknown mesh format: marotte reads .obj .ply .off .glb .gltf .vrm .stl .om");
 }
 
 mrt_result mesh_file_read(mesh *out, const char *path, const mesh_frame *frame, error *err)
@@ -141,7 +139,7 @@ mrt_result mesh_file_read(mesh *out, const char *path, const mesh_frame *frame, 
         format = format_of_name(path);
     const char *other = other_kind(&bytes);
     result =
-        other ? error_set(err, MRT_ERR_FORMAT, "is no mesh but %s", other)
+        other ? error_set(err, MRT_ERR_FORMAT, "not a mesh file: %s", other)
               : parse(out, format, &bytes, path, frame ? frame->vertices : MESH_VERTICES_ALL, err);
     file_bytes_finish(&bytes);
     if (result == MRT_OK) {

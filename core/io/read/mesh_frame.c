@@ -19,7 +19,7 @@ static void axis_vector(int out[3], mesh_axis axis)
         out[line_of(axis)] = axis < MESH_AXIS_MINUS_X ? 1 : -1;
 }
 
-/* Rows: where each axis of the mesh lies in the file. */
+/* Rotates vectors. Rows: the axis of the file for each axis of the mesh. */
 static void turn_vectors(int rotation[3][3], float *vector, size_t count)
 {
     for (float *v = vector, *end = vector + count * 3; v < end; v += 3) {
@@ -31,8 +31,8 @@ static void turn_vectors(int rotation[3][3], float *vector, size_t count)
     }
 }
 
-/* Up becomes +y, forward +z, and the left of whoever looks out of the face +x: no bit of a number
- * changes but its sign. */
+/* Rotates the mesh: up becomes +y, forward +z, and the face's own left +x. Only the signs of
+ * numbers change. */
 static void turn_axes(mesh *m)
 {
     int rotation[3][3];
@@ -57,7 +57,7 @@ static void turn_axes(mesh *m)
 
 /* ---- by the skeleton ---- */
 
-/* The axis that the vector lies along; AUTO: none clearly. */
+/* Returns the axis nearest to the vector; AUTO: none is clear. */
 static mesh_axis nearest_axis(const double vector[3])
 {
     double length = sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
@@ -82,7 +82,7 @@ static bool contains(const char *name, const char *word)
     return false;
 }
 
-/* By VRM's role, else the first joint with one of the words in its name. */
+/* Finds a joint by its VRM role, else the first joint with one of the words in its name. */
 static const mesh_joint *find_joint(const mesh *m, const char *role, const char *const words[2])
 {
     for (uint32_t i = 0; i < m->joint_count; ++i)
@@ -108,10 +108,10 @@ static bool is_other_side(const char *left, const char *right)
     return is_letter && starts && ends && strcmp(l + 1, r + 1) == 0;
 }
 
-/* The sum of all ways from a joint of the right side to its like on the left. */
+/* Sums the vectors from each joint of the right side to its counterpart on the left. */
 static void find_left(double out[3], const mesh *m)
 {
-    enum { JOINTS_MAX = 512 }; /* of so many, each is compared with each */
+    enum { JOINTS_MAX = 512 }; /* maximum number of joints, since all pairs are compared */
     out[0] = out[1] = out[2] = 0.0;
     for (uint32_t a = 0; a < m->joint_count && m->joint_count <= JOINTS_MAX; ++a)
         for (uint32_t b = 0; b < m->joint_count; ++b) {
@@ -154,8 +154,8 @@ static bool find_by_skeleton(const mesh *m, mesh_axis *out_up, mesh_axis *out_fo
 
 /* ---- by the shape ---- */
 
-/* Where the small triangles are, of a face its features: the mean centre of the triangles less that
- * of the area, in parts of the box. */
+/* Finds the direction of the small triangles, which are the features of a face. It is the mean
+ * centre of the triangles minus that of the area, in parts of the box. */
 static void find_detail(double out[3], const mesh *m, const float low[3], const float high[3])
 {
     double mean[3] = {0}, by_area[3] = {0}, area_sum = 0.0;
@@ -185,8 +185,8 @@ static void find_detail(double out[3], const mesh *m, const float low[3], const 
     }
 }
 
-/* Of rows of height, y upwards, how far their middles in x and in z wander, in parts of the size: a
- * head is alike left and right, and not before and behind. */
+/* Measures how far the middles of horizontal rows (y up) vary in x and in z, in parts of the size.
+ * A head is symmetric left and right, but not front and back. */
 static void find_wander(double out[2], const mesh *m, const float low[3], const double size[3])
 {
     enum { ROWS = 48 };
@@ -221,8 +221,9 @@ static void find_wander(double out[2], const mesh *m, const float low[3], const 
                  size[2 * i];
 }
 
-/* Only what is clear: a head that has its features where glTF and most others have the back of the
- * head or an ear, or where a modeller with z upwards has the face; a body that is tall along z. */
+/* Finds the axes by shape, in clear cases only. One is a head with its features where glTF has the
+ * back of the head or an ear, or where a modeller with z up has the face. The other is a body that
+ * is tall along z. */
 static bool find_by_shape(const mesh *m, mesh_axis *out_up, mesh_axis *out_forward)
 {
     enum { TRIANGLES_MIN = 300 };
@@ -263,7 +264,7 @@ static bool find_by_shape(const mesh *m, mesh_axis *out_up, mesh_axis *out_forwa
 
 /* ---- axes ---- */
 
-/* Completes a pair of which one is given: the other is what it usually is beside it. */
+/* Completes a pair of axes of which one is set, with the usual other one. */
 static void complete(mesh_axis *up, mesh_axis *forward)
 {
     if (*up == MESH_AXIS_AUTO)
@@ -299,8 +300,10 @@ static mrt_result set_axes(mesh *m, const mesh_frame *given, error *err)
         return MRT_OK;
     turn_axes(m);
     if (why)
-        mesh_note(m, "its axes are taken for up %s, forward %s (%s): --up and --forward say others",
-                  mesh_axis_name(up), mesh_axis_name(forward), why);
+        mesh_note(
+            m,
+            "its axes are detected as up %s, forward %s (%s): set others with --up and --forward",
+            mesh_axis_name(up), mesh_axis_name(forward), why);
     return MRT_OK;
 }
 
@@ -325,7 +328,7 @@ static double rounded(double value) /* to two digits */
     return round(value / step) * step;
 }
 
-/* What it can be by its proportions: between the two it is both, a long head or a stout body. */
+/* Possible types by proportions: between the two limits it may be a long head or a stout body. */
 typedef struct stature {
     bool is_head, is_body;
     double height; /* units */
@@ -340,8 +343,9 @@ static bool is_likely(const stature *s, double mm_per_unit)
            (s->is_body && mm >= 500.0 && mm <= 2600.0);
 }
 
-/* Hips and head of the skeleton lie in it, one over the other: of several bodies, too, that are
- * wider than tall. A head that was cut from a body may have kept a skeleton that is longer. */
+/* Returns true if the hips and head of the skeleton are inside the mesh, one above the other. That
+ * includes several bodies that are wider than tall. A head that was cut from a body may have kept a
+ * longer skeleton. */
 static bool has_body(const mesh *m, double low_y, double high_y)
 {
     double hips[3], head[3];
@@ -349,7 +353,7 @@ static bool has_body(const mesh *m, double low_y, double high_y)
            head[1] - hips[1] > 0.15 * (high_y - low_y);
 }
 
-/* What makes a head, or a body, as tall as one is. */
+/* Guesses the unit that gives a head or a body its usual height. */
 static double guess_mm_per_unit(mesh *m, double format_mm)
 {
     static const struct {
@@ -367,7 +371,7 @@ static double guess_mm_per_unit(mesh *m, double format_mm)
     s.is_head = !is_body_by_joints && (is_flat || s.height < 2.8 * thinner);
     if (!(s.height > 0.0 && isfinite(s.height)) || (is_flat && format_mm > 0.0))
         return format_mm > 0.0 ? format_mm : 1.0;
-    /* Nothing to say: also of a face that is as thin as a mask, where the format has a unit. */
+    /* No note is needed, also for a thin mask if the format has a unit. */
     bool is_of_heads_size =
         s.height * format_mm >= head_least_mm && s.height * format_mm <= head_most_mm;
     if (is_of_heads_size || is_likely(&s, format_mm))

@@ -57,7 +57,7 @@ void mesh_image_note(mesh *m, const char *name, const char *why)
     mesh_note(m, "the picture \"%s\" is not drawn: %s", clean, why);
 }
 
-/* The longest side with which so many pictures of four bytes a pixel keep the limit. */
+/* Returns the longest side that keeps `count` pictures of four bytes per pixel within the limit. */
 static uint32_t side_max_for(uint32_t count)
 {
     uint32_t side = 2048;

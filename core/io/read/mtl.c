@@ -33,9 +33,9 @@ static void straighten(char *path)
     }
 }
 
-/* As programs on other systems write it: "textures\skin.png"; of "C:\work\skin.png" or
- * "/home/her/skin.png", which lies on somebody else's disk, what may have come along: "skin.png".
- * False: it cannot be the name of a file. */
+/* Resolves a file name, also with backslashes: "textures\skin.png". An absolute path of another
+ * computer, "C:\work\skin.png" or "/home/her/skin.png", becomes "skin.png", which may be beside the
+ * OBJ. False: it cannot be a file name. */
 static bool resolve(char out[PATH_MAX], const char *folder, text_view name)
 {
     size_t begin = strlen(folder), length = (size_t)(name.end - name.at);
@@ -98,7 +98,8 @@ static bool read_opacity(mtl_material *m, text_view rest)
     return true;
 }
 
-/* 1 - d; but a material that is not there at all is one of the programs that write it as d. */
+/* Reads Tr, which is 1 - d. A fully transparent material comes from a program that writes d as Tr.
+ * */
 static bool read_transparency(mtl_material *m, text_view rest)
 {
     float number;
@@ -131,8 +132,8 @@ static void uv_transform(mesh_texture *out, const float scale[3], const float sh
         out->uv_transform[i] = within(of_glTF[i], -1e6f, 1e6f);
 }
 
-/* What an option does not say is passed over with its words. False: it is none, or makes no sense.
- */
+/* Reads an option of a picture; unused ones are skipped with their arguments. False: it is unknown
+ * or invalid. */
 static bool read_option(mtl_map *map, float scale[3], float shift[3], text_view option,
                         text_view *rest)
 {
@@ -288,7 +289,7 @@ static mrt_result read_one(mtl_library *library, text_view name, const char *dir
     return result;
 }
 
-/* A name with blanks in it, or several names. */
+/* Reads one name with spaces in it, or several names. */
 mrt_result mtl_read(mtl_library *library, text_view names, const char *directory, error *err)
 {
     text_view word;
@@ -330,7 +331,7 @@ typedef struct applying {
     const char *directory;
     budget bytes;
     const char *tried[TRIED_MAX]; /* files */
-    uint32_t image[TRIED_MAX];    /* of each: 1 + its index; 0: it is not drawn */
+    uint32_t image[TRIED_MAX];    /* per material: 1 + index of its picture; 0: not drawn */
     uint32_t tried_count;
     bool is_full;
 } applying;
@@ -376,8 +377,8 @@ static mesh_texture texture_of(applying *a, const mtl_map *map)
     return out.image ? out : mesh_material_grey().base;
 }
 
-/* The picture is as it is: programs write any colour beside it. Where its own alpha says what is
- * there, it is cut out and not laid over, which needs no order. */
+/* Adds the pictures. A picture is not tinted, because programs write any colour beside it. A
+ * picture with its own alpha is drawn as a cutout instead of blended, so it needs no sorting. */
 static void add_maps(applying *a, mesh_material *look, const mtl_material *from)
 {
     const mtl_map *base = &from->map[MTL_BASE], *clear = &from->map[MTL_CLEAR];
@@ -390,7 +391,7 @@ static void add_maps(applying *a, mesh_material *look, const mtl_material *from)
         look->alpha = look->base.image ? MESH_ALPHA_MASK : MESH_ALPHA_OPAQUE;
         look->base_colour[3] = 1.0f;
     } else if (clear->file) {
-        mesh_image_note(a->m, clear->file, "how clear a surface is must be in its own picture");
+        mesh_image_note(a->m, clear->file, "transparency must be in a separate picture");
     }
     if (glow->file)
         look->emission = texture_of(a, glow);
@@ -420,7 +421,7 @@ static int by_name(const void *left, const void *right)
     return names ? names : (p->order > q->order) - (p->order < q->order);
 }
 
-/* The last of its name; NULL: none has it. */
+/* Finds the last material of a name; NULL: not found. */
 static const mtl_material *find(const mtl_library *library, const char *name)
 {
     size_t low = 0, high = library->count;
@@ -458,7 +459,7 @@ uint32_t mtl_apply(mesh *m, mtl_library *library, const char *directory, size_t 
                   missing, m->material[first_missing].name);
     if (library->malformed_count)
         mesh_note(m,
-                  "%zu lines of its materials make no sense and are passed over, the first is "
+                  "%zu lines of its materials are invalid and were skipped, the first is "
                   "line %llu",
                   library->malformed_count, (unsigned long long)library->malformed_line);
     return without_uv;

@@ -1,6 +1,6 @@
-/* Wavefront OBJ: v, vt, f, o, g, usemtl and mtllib (mtl.h) are read; normals and smoothing are
- * passed over; everything else is counted in a note. Texture coordinates matter to a file with
- * mtllib alone: without one its vertices stay as they are. */
+/* Wavefront OBJ: reads v, vt, f, o, g, usemtl and mtllib (mtl.h). Normals and smoothing are
+ * skipped, and all other statements are counted in a note. Texture coordinates are used only in a
+ * file with mtllib. Without it, its vertices are not split. */
 #include "io/read/mesh_build.h"
 #include "io/read/mtl.h"
 #include "base/file.h"
@@ -16,9 +16,9 @@ enum { NUMBERS_MAX = 7 };
 
 typedef struct obj_reader {
     mesh_build build;
-    float *uv; /* uv_count by 2, as glTF; NaN: the line makes no sense */
+    float *uv; /* uv_count by 2, as in glTF; NaN: the line is invalid */
     size_t uv_count, uv_capacity;
-    size_t lost_count; /* corners that lie at coordinates which are not there */
+    size_t lost_count; /* corners with missing coordinates */
     text_view rest, line;
     uint64_t line_number;
     size_t unknown_count;
@@ -32,7 +32,7 @@ static bool next_line(obj_reader *r)
     return text_next_line(&r->rest, &r->line);
 }
 
-/* As text_next_word, going on in the next line after a single backslash. */
+/* As text_next_word, but continues on the next line after a single backslash. */
 static bool next_word(obj_reader *r, text_view *out_word)
 {
     while (text_next_word(&r->line, out_word)) {
@@ -63,8 +63,8 @@ static mrt_result read_vertex(obj_reader *r)
     return mesh_build_vertex(&r->build, number, r->err);
 }
 
-/* "vt u" or "vt u v", of which more is ignored. One that makes no sense costs the picture's place,
- * not the head. */
+/* Reads "vt u" or "vt u v" and ignores further numbers. An invalid one loses only its texture
+ * coordinates. */
 static mrt_result read_uv(obj_reader *r)
 {
     float number[2] = {0.0f, 0.0f};
@@ -82,8 +82,7 @@ static mrt_result read_uv(obj_reader *r)
     return MRT_OK;
 }
 
-/* v, v/vt, v//vn or v/vt/vn; vn must be a number, but what it points to is not used. out_uv: 0:
- * none. */
+/* Parses v, v/vt, v//vn or v/vt/vn. vn must be a number, but is not used. out_uv: 0: none. */
 static bool parse_corner(text_view word, int64_t *out_index, int64_t *out_uv)
 {
     text_view field;
@@ -166,7 +165,7 @@ static mrt_result read_statement(obj_reader *r)
 
 /* ---- materials ---- */
 
-/* The names behind the next mtllib. */
+/* Finds the names after the next mtllib. */
 static bool next_library(text_view *rest, text_view *out_names)
 {
     text_view line, keyword;
@@ -238,7 +237,7 @@ mrt_result obj_parse(mesh *out, const void *data, size_t size, const char *direc
         mesh_note(out, "%zu statements were skipped, the first is \"%s\"", r.unknown_count,
                   r.unknown);
     if (result == MRT_OK && r.lost_count)
-        mesh_note(out, "%zu corners lie at texture coordinates that are not there", r.lost_count);
+        mesh_note(out, "%zu corners refer to missing texture coordinates", r.lost_count);
     if (result == MRT_OK && has_looks)
         result = add_looks(out, all, directory, vertices, err);
     if (result < 0)

@@ -158,6 +158,6 @@ mrt_result off_parse(mesh *out, const void *data, size_t size, error *err)
     }
     result = mesh_build_take(&r.build, out, err);
     if (result == MRT_OK && text_trim(r.rest).at != r.rest.end)
-        mesh_note(out, "what follows the last face was not read");
+        mesh_note(out, "data after the last face was skipped");
     return result;
 }

@@ -140,7 +140,7 @@ static mrt_result read_property(ply_header *h, text_view *line, error *err)
     return read_name(property->name, line, err);
 }
 
-/* Every element takes some bytes, so a count that they cannot hold is a lie. */
+/* Checks the counts: each element needs some bytes, so the file size limits them. */
 static mrt_result check_counts(const ply_header *h, size_t size, error *err)
 {
     for (uint32_t i = 0; i < h->element_count; ++i) {
@@ -264,7 +264,7 @@ static mrt_result next_line(ply_reader *r)
 static mrt_result end_line(const ply_reader *r)
 {
     if (r->header.format == PLY_ASCII && r->line.at != r->line.end)
-        return error_set(r->err, MRT_ERR_FORMAT, "there are more values than properties");
+        return error_set(r->err, MRT_ERR_FORMAT, "more values than properties");
     return MRT_OK;
 }
 
@@ -275,7 +275,7 @@ static mrt_result read_text(ply_reader *r, ply_type type, double *out)
     text_view word;
     int64_t whole;
     if (!text_next_word(&r->line, &word))
-        return error_set(r->err, MRT_ERR_FORMAT, "there are fewer values than properties");
+        return error_set(r->err, MRT_ERR_FORMAT, "fewer values than properties");
     if (type >= PLY_FLOAT32 && text_double(word, out))
         return MRT_OK;
     if (type < PLY_FLOAT32 && text_int(word, &whole) && (double)whole >= low[type] &&
@@ -503,8 +503,9 @@ static mrt_result add_triangle(ply_reader *r, const int64_t corner[3])
     return result < 0 ? result : mesh_build_face(&r->build, r->err);
 }
 
-/* One list of strips: each vertex makes a triangle with the two before it, every other one the
- * other way round; -1 begins anew; one that uses a vertex twice only joins two strips. */
+/* Reads a list of triangle strips. Each vertex forms a triangle with the two before it, with
+ * alternating orientation. -1 begins a new strip. A triangle that uses a vertex twice only joins
+ * two strips. */
 static mrt_result read_strips(ply_reader *r, const ply_property *property)
 {
     int64_t count = 0, before[2] = {0, 0};
@@ -646,10 +647,10 @@ static void note_what_was_not_read(const ply_reader *r, mesh *out)
             mesh_note(out, "element \"%s\" was skipped", name);
     }
     if (r->passed_over_count)
-        mesh_note(out, "%u vertex properties that are no floating-point numbers were skipped",
+        mesh_note(out, "%u vertex properties that are not floating-point numbers were skipped",
                   r->passed_over_count);
     if (text_trim(r->rest).at != r->rest.end)
-        mesh_note(out, "what follows the last element was not read");
+        mesh_note(out, "data after the last element was skipped");
 }
 
 mrt_result ply_parse(mesh *out, const void *data, size_t size, error *err)

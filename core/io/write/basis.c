@@ -23,8 +23,8 @@ void basis_subtract(float *out, float weight, const float *axis, size_t length)
         out[d] -= weight * axis[d];
 }
 
-/* Takes the axes in use out of the row, twice (once is not enough in float32), and scales it to
- * unit length. False: nothing but rounding was left. */
+/* Removes the axes in use from the row, twice (once is not enough in float32), and scales it to
+ * unit length. False: only rounding was left. */
 static bool orthonormalise(const basis *b, float *row)
 {
     double before = sqrt(basis_dot(row, row, b->length));

@@ -1,6 +1,7 @@
-/* io/write/basis.h - an orthonormal basis that grows: from candidate directions in the order of
- * their strength and, when they are used up, from whatever residual is still too large. Rows are
- * float32, inner products float64 in a fixed order: same bits everywhere. Any thread. */
+/* io/write/basis.h - a growing orthonormal basis: from candidate directions in order of their
+ * strength, then from any residual that is still too large. Rows are float32, inner products
+ * float64 in a fixed order, so the bits are the same on all machines. Leaves out the choice of
+ * candidates. Any thread. */
 #ifndef MAROTTE_IO_BASIS_H
 #define MAROTTE_IO_BASIS_H
 #include <stdbool.h>
@@ -19,11 +20,11 @@ double basis_dot(const float *a, const float *b, size_t length);
 /* out -= weight * axis */
 void basis_subtract(float *out, float weight, const float *axis, size_t length);
 
-/* One more axis: the next candidate that is not spanned yet. False: the cap is reached, no
- * candidate is left, or no memory. To take axes back, set count and next to what they were. */
+/* Adds the next candidate that is not spanned yet. False: the cap is reached, all candidates are
+ * used, or memory ran out. To remove axes, restore count and next. */
 bool basis_add_candidate(basis *b);
-/* One more axis: the direction of `residual`. False: the cap is reached, it is spanned, or no
- * memory. */
+/* Adds the direction of `residual`. False: the cap is reached, it is already spanned, or memory ran
+ * out. */
 bool basis_add(basis *b, const float *residual);
 void basis_finish(basis *b);
 

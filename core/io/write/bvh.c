@@ -4,9 +4,9 @@
 
 #include <math.h>
 
-/* The five bones at the wrist have a position of their own at each frame, as the palm's arch moves
- * them; of all others the length is fixed. Turns are the least ones that bring each bone to where
- * it points: what a hand does that flexes. */
+/* The five bones at the wrist have a separate position in each frame, because the palm's arch moves
+ * them. All other bones have a fixed length. Rotations are the smallest ones that give each bone
+ * its direction, as in a hand that flexes. */
 
 static const char *const joint_names[MRT_JOINTS] = {
     "Hand",      "ThumbMetacarpal", "ThumbProximal",      "ThumbDistal",
@@ -75,7 +75,7 @@ static rigid wrist_rotation(const bvh_hand *of, const double *hand)
     return rigid_compose(&now, &back);
 }
 
-/* As the channels have them, degrees: R = Rz Rx Ry. */
+/* Angles in the order of the channels, degrees: R = Rz Rx Ry. */
 static void euler_of(const rigid *m, double out_zxy[3])
 {
     const double degrees = 180.0 / ANGLE_PI;
@@ -90,9 +90,8 @@ static void euler_of(const rigid *m, double out_zxy[3])
     out_zxy[2] = atan2(-m->r[2][0], m->r[2][2]) * degrees;
 }
 
-/* The same rotation, nearest to that of the frame before: who interpolates between frames sees no
- * jump.
- */
+/* Chooses the equal rotation nearest to that of the frame before, so that interpolation between
+ * frames does not jump. */
 static void stay_near(double zxy[3], const double last[3])
 {
     const double other[3] = {zxy[0] + 180.0, 180.0 - zxy[1], zxy[2] + 180.0};
@@ -263,7 +262,7 @@ mrt_result bvh_write(const char *path, const clip *c, double mm_per_unit,
     if (result < 0)
         return result;
     if (!hands[MRT_LEFT].is_there && !hands[MRT_RIGHT].is_there)
-        return error_set(err, MRT_ERR_ARGUMENT, "%s: no hand was there: nothing to write", path);
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: the performance has no hand to write", path);
     export_text text;
     result = export_text_open(&text, path, err);
     if (result < 0)

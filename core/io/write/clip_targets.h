@@ -1,6 +1,6 @@
-/* io/write/clip_targets.h - a clip as morph targets and their weights, as gltf_write makes them,
- * for writers of other formats: exact ones of anchored frames, components of the others. Each lists
- * the vertices that it moves. [main] or a worker. */
+/* io/write/clip_targets.h - a clip as morph targets and their weights, like those of gltf_write,
+ * for writers of other formats. Anchored frames have exact targets, all others have components.
+ * Each target lists the vertices that it moves. Leaves out the file formats. [main] or a worker. */
 #ifndef MAROTTE_IO_CLIP_TARGETS_H
 #define MAROTTE_IO_CLIP_TARGETS_H
 #include "io/export.h"
@@ -19,7 +19,8 @@ typedef struct clip_targets {
                       targets; NULL without targets or frames */
 } clip_targets;
 
-/* options: NULL: as usual. out_report: but for its bytes. */
+/* Finds the targets of a clip. options: NULL: defaults. out_report: everything except byte_count.
+ * */
 CHECKED mrt_result clip_targets_find(clip_targets *out, const clip *c, const gltf_options *options,
                                      const export_progress *progress, gltf_report *out_report,
                                      error *err);

@@ -84,7 +84,7 @@ static void see_frame(survey *all, const float *offset, size_t length)
     }
 }
 
-/* How far the vertex that moves most goes from the frame before. */
+/* Returns the largest movement of a vertex since the frame before. */
 static double step_from_before(const survey *all, const float *offset, size_t length)
 {
     float greatest = 0.0f;
@@ -116,7 +116,7 @@ static mrt_result survey_frames(window_frames *w, survey *all, error *err)
     return MRT_OK;
 }
 
-/* A vertex that never moves has exactly its position as mean. */
+/* Computes the mean. A vertex that never moves keeps its exact position. */
 static void find_base(window_frames *w, const survey *all, float still)
 {
     for (size_t v = 0; v < w->frames->vertex_count; ++v) {

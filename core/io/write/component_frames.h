@@ -1,13 +1,13 @@
-/* io/write/component_frames.h - the free frames of a clip as offsets from one shape, in metres; and
- * those of one window of time: the base they are seen from, which vertices leave it, and where
- * those are. Private to the search for components. One thread at a time. */
+/* io/write/component_frames.h - the free frames of a clip as offsets from one shape, in metres, and
+ * those of one window of time: their base, the vertices that leave it, and the offsets of these.
+ * Leaves out the components. Private to the search for components. One thread at a time. */
 #ifndef MAROTTE_IO_COMPONENT_FRAMES_H
 #define MAROTTE_IO_COMPONENT_FRAMES_H
 #include "io/clip.h"
 
 #include <stdbool.h>
 
-/* Vertices that move less than this share of the tolerance are left where they are. */
+/* Vertices that move less than this share of the tolerance stay in place. */
 #define COMPONENT_STILL_SHARE 0.1
 
 typedef struct component_frames {
@@ -22,7 +22,8 @@ CHECKED mrt_result component_frames_init(component_frames *out, const clip *c, c
                                          error *err);
 void component_frames_finish(component_frames *f);
 
-/* out: vertex_count by 3. Refuses what is too far for squares in float32, with the frame's name. */
+/* Reads a frame. out: vertex_count by 3. Refuses offsets whose squares are too large for float32;
+ * the error names the frame. */
 CHECKED mrt_result component_frames_read(component_frames *f, uint32_t index, float *out,
                                          error *err);
 
@@ -48,14 +49,14 @@ typedef struct window_frames {
     float still_peak; /* of what was read: greatest square of how far the others are off, m^2 */
 } window_frames;
 
-/* A base is the mean of the frames, but 0 for vertices that it moves less than
+/* Prepares a window. Its base is the mean of the frames, but 0 for vertices that it moves less than
  * COMPONENT_STILL_SHARE. */
 CHECKED mrt_result window_frames_init(window_frames *out, component_frames *frames, uint32_t first,
                                       uint32_t count, window_base base, double tolerance_m,
                                       error *err);
 void window_frames_finish(window_frames *w);
 
-/* out: 3 per moved vertex, metres from the base. */
+/* Reads a frame. out: 3 per moved vertex, metres from the base. */
 CHECKED mrt_result window_frames_read(window_frames *w, uint32_t index, float *out, error *err);
 
 #endif

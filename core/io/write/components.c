@@ -25,14 +25,14 @@ typedef struct component_plan {
     uint32_t *need;  /* count: about how many targets each needs, at least 1 */
 } component_plan;
 
-/* At most so many frames and vertices are looked at. */
+/* Maximum numbers of frames and vertices in the estimate. */
 enum { MAX_FRAMES = 1536, MAX_VERTICES = 384, MAX_FRAME_BYTES = 512 << 20 };
 /* Ranks at which a window may end; the whole motion as one window is looked at as well. */
 static const uint32_t LIMIT[] = {32, 48, 64, 96, 128, 192, 256, 384};
 enum { LIMIT_COUNT = sizeof LIMIT / sizeof *LIMIT };
 /* Windows with fewer targets than this show too little when the number of targets is capped. */
 enum { FEWEST_PER_WINDOW = 32 };
-/* A byte of the file is worth so many multiplications: about 5 MB to a second. */
+/* Multiplications that are worth one byte of the file: about 5 MB per second. */
 static const double PRODUCTS_PER_BYTE = 1000.0;
 /* Windows need more targets in all: they are made where they cost at most this share. */
 static const double CLEARLY_CHEAPER = 0.85;
@@ -84,7 +84,7 @@ static mrt_result find_moved(planner *p, uint8_t *is_moved, uint32_t *out_count,
     return result;
 }
 
-/* Evenly among those that move. */
+/* Picks vertices evenly among those that move. */
 static void pick_vertices(planner *p, const uint8_t *is_moved, uint32_t moved_count)
 {
     p->vertex_count = moved_count < MAX_VERTICES ? moved_count : MAX_VERTICES;
@@ -427,7 +427,7 @@ static uint32_t find_worst(const window_axes *a, double *left, uint32_t index[FR
     return lanes;
 }
 
-/* The worst frames first: what they need is what all need, so that few blocks are fitted twice. */
+/* Handles the worst frames first. Their axes help all frames, so few blocks are fitted twice. */
 static mrt_result grow_for_worst(search *s, const window_axes *a, error *err)
 {
     basis *b = &s->basis;
@@ -677,7 +677,7 @@ static uint32_t cap_of(const components_request *wanted, uint32_t vertex_count)
     return wanted->max_count && wanted->max_count < cap ? wanted->max_count : (uint32_t)cap;
 }
 
-/* What is left of the cap, shared by what the window and those after it need. */
+/* Returns the share of the remaining cap for this window, by the needs of all remaining windows. */
 static uint32_t cap_of_window(const component_plan *plan, uint32_t window, uint32_t left)
 {
     uint64_t need = 0;

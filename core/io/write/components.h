@@ -1,19 +1,18 @@
-/* io/write/components.h - the free frames of a clip as weighted sums of few shapes: principal
- * components with a guaranteed greatest vertex error. A long motion that wanders is split into
- * windows of time with a base shape and components of their own. The frames are streamed from the
- * clip; memory is bounded whatever the clip's length. Leaves out anchored frames. [main] or a
- * worker. */
+/* io/write/components.h - the free frames of a clip as weighted sums of a few shapes: principal
+ * components with a guaranteed maximum vertex error. A long motion is split into windows of time,
+ * each with its own base shape and components. Frames are streamed from the clip, and memory is
+ * bounded for any length. Leaves out anchored frames. [main] or a worker. */
 #ifndef MAROTTE_IO_COMPONENTS_H
 #define MAROTTE_IO_COMPONENTS_H
 #include "io/clip.h"
 #include "io/export.h"
 
-/* Where no count is asked for: at most so many targets in all, and so many bytes if each moved
- * every vertex. */
+/* Limits if no count is requested: the number of targets, and their bytes if each moved every
+ * vertex. */
 enum { COMPONENTS_MAX = 2048, COMPONENTS_MAX_BYTES = 192 << 20 };
 
-/* Frames that share a base and components. What its components move is listed; every other vertex
- * stays where the base has it. */
+/* Frames with a common base and components. `moved` lists the vertices that the components move;
+ * all others keep their position in the base. */
 typedef struct component_window {
     uint32_t first_frame, frame_count; /* of components.frame */
     uint32_t count, moved_count;
@@ -36,18 +35,18 @@ typedef struct components {
 typedef struct components_request {
     const float *base_m; /* vertex_count by 3: the shape that bases and components are added to */
     double tolerance_mm; /* greatest vertex error wanted, > 0 */
-    uint32_t max_count;  /* of targets; 0: as many as the tolerance needs, within the limits above;
-                            few targets make few windows */
+    uint32_t max_count;  /* number of targets; 0: no limit except those above; few targets make few
+                            windows */
 } components_request;
 
-/* In each window the fewest leading principal components that hold the tolerance in every frame;
- * where those of the frames looked at do not suffice, what is missing in the worst ones is added.
- * When a limit comes first, out->max_error_mm is above the tolerance. */
+/* Finds for each window the fewest leading principal components that keep the tolerance in every
+ * frame. If those of the picked frames are not enough, it adds the residual of the worst frames. If
+ * a limit is reached first, out->max_error_mm exceeds the tolerance. */
 CHECKED mrt_result components_find(components *out, const clip *c, const components_request *wanted,
                                    const export_progress *progress, error *err);
 void components_finish(components *c); /* accepts NULL and zeroed */
 
-/* out: vertex_count by 3: metres per unit of weight of a window's component. */
+/* Expands a component of a window. out: vertex_count by 3, metres per unit of weight. */
 void components_offset(float *out, const components *c, const component_window *window,
                        uint32_t component);
 

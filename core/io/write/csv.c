@@ -1,4 +1,4 @@
-/* Tables: the curves of a clip as people read them, and those of Live Link Face. */
+/* Tables: the curves of a clip for users, and those of Live Link Face. */
 #include "io/curves.h"
 
 #include "io/write/export_stream.h"
@@ -65,7 +65,7 @@ static void put_head(const table *t)
     (void)fputc('\n', t->stream);
 }
 
-/* What is nothing but rounding is 0. */
+/* Writes a number; pure rounding is written as 0. */
 static void put_number(FILE *stream, double value)
 {
     (void)fprintf(stream, ",%.9g", fabs(value) < 1e-9 ? 0.0 : value);

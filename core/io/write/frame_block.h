@@ -1,7 +1,8 @@
-/* io/write/frame_block.h - the two products that finding components is made of, on sixteen frames
- * at once: what the rows of a basis have in common with each frame, and taking that away. A block
- * holds one frame per lane: value[d * FRAME_BLOCK + lane], d < length. Sums run over d (or over
- * rows) in ascending order within fixed panels: same bits everywhere. Pure; any thread. */
+/* io/write/frame_block.h - the two products of the search for components, on sixteen frames
+ * together: inner products of basis rows with each frame, and their subtraction. A block holds one
+ * frame per lane: value[d * FRAME_BLOCK + lane], d < length. Sums run over d (or over rows) in
+ * ascending order within fixed panels, so the bits are the same on all machines. Pure; any thread.
+ * */
 #ifndef MAROTTE_IO_FRAME_BLOCK_H
 #define MAROTTE_IO_FRAME_BLOCK_H
 #include <stddef.h>
@@ -9,7 +10,7 @@
 
 enum { FRAME_BLOCK = 16 };
 
-/* One frame into and out of its lane. */
+/* Copy one frame into or out of its lane. */
 void frame_block_put(float *block, uint32_t lane, const float *frame, size_t length);
 void frame_block_get(float *out, const float *block, uint32_t lane, size_t length);
 /* out_dot: row_count by FRAME_BLOCK, the inner products of each row with each frame.
@@ -19,7 +20,7 @@ void frame_block_dot(double *out_dot, const float *row, size_t row_count, const 
 /* block -= sum over rows of weight * row. weight: row_count by FRAME_BLOCK. */
 void frame_block_subtract(float *block, const float *row, size_t row_count, const float *weight,
                           size_t length);
-/* The greatest x^2 + y^2 + z^2 of each frame. length: 3 per vertex. */
+/* Finds the greatest x^2 + y^2 + z^2 of each frame. length: 3 per vertex. */
 void frame_block_peak(float out_peak[FRAME_BLOCK], const float *block, size_t length);
 
 /* The two products for one instruction set (base/isa.h): frame_block_loops.c. */

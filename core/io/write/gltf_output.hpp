@@ -1,6 +1,6 @@
-/* io/write/gltf_output.hpp - a .glb being made: binary data in the order it is added, the accessors
- * that describe it, and the file in the end. tinygltf makes the JSON; the binary part is written
- * from where it is, never copied. Private to the glTF writer; failures are gltf_failure. */
+/* io/write/gltf_output.hpp - builds a .glb: binary data in the order of its calls, the accessors
+ * for it, and finally the file. tinygltf makes the JSON. The binary part is written without a copy.
+ * Private to the glTF writer; failures are gltf_failure. */
 #ifndef MAROTTE_IO_GLTF_OUTPUT_HPP
 #define MAROTTE_IO_GLTF_OUTPUT_HPP
 #include "io/read/gltf_load.hpp"
@@ -34,10 +34,10 @@ template <typename number> gltf_bytes gltf_bytes_of(const std::vector<number> &v
 /* Of three numbers. */
 bool gltf_is_zero(const float *v);
 
-/* Fails with the name of what is not finite. */
+/* Fails if a value is not finite; the error names `what`. */
 void gltf_output_check(const float *value, size_t count, const std::string &what);
 
-/* Fails when so many bytes more are too many for a .glb. */
+/* Fails if `size` more bytes are too many for a .glb. */
 void gltf_output_reserve(const gltf_output &out, size_t size);
 /* Each returns the index of what it added. `target`: TINYGLTF_TARGET_* or 0. */
 int gltf_output_view(gltf_output &out, gltf_bytes &&data, int target);

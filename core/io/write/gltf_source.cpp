@@ -231,7 +231,7 @@ void gltf_source::take_buffers(const tinygltf::Model &model, const gltf_containe
         vertex_counts_.push_back(accessor.count);
 }
 
-/* Pictures that lie beside a .gltf travel with it, each once; what is missing stays named. */
+/* Embeds the pictures beside a .gltf, each once. A missing picture keeps its name. */
 void gltf_source::take_images(const std::string &directory)
 {
     std::map<std::string, std::pair<int, const char *>> taken; /* by path: view and media type */
@@ -422,7 +422,7 @@ void gltf_source::add_target(const std::string &name, const float *offset, const
                     mm[i] = offset[at + i] * 1000.0f;
                 apply(&own[at], back, mm);
                 apply(&own_turn[at], back, rotation + at);
-                double stretch = 0.0; /* of the frame: what turns a normal has no unit */
+                double stretch = 0.0; /* of the frame only: a rotation of normals has no unit */
                 for (int row = 0; row < 3; ++row)
                     stretch += back.linear[row][0] * back.linear[row][0];
                 for (size_t i = 0; i < 3 && stretch > 0.0; ++i)

@@ -1,7 +1,7 @@
-/* io/write/gltf_source.hpp - the glTF or VRM file that a face was read from, with morph targets and
- * an animation added: nodes, names, skins, materials, images, extensions and its own targets stay
- * as they are. Always written as one .glb. Private to the glTF writer; failures are gltf_failure.
- */
+/* io/write/gltf_source.hpp - adds morph targets and an animation to the glTF or VRM file that a
+ * face was read from. Nodes, names, skins, materials, images, extensions and its own targets are
+ * unchanged. The output is always one .glb. Private to the glTF writer; failures are gltf_failure.
+ * */
 #ifndef MAROTTE_IO_GLTF_SOURCE_HPP
 #define MAROTTE_IO_GLTF_SOURCE_HPP
 #include "io/read/gltf_plan.hpp"

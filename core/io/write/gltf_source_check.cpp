@@ -44,8 +44,8 @@ const ordered_json &list_at(const ordered_json &of, const char *key, const place
     return *found;
 }
 
-/* Runs action(value, place) for all that a pattern finds: "/meshes/#/name": # is each item of a
- * list, * each member of an object. What is not there is not found. */
+/* Runs action(value, place) for all matches of a pattern, "/meshes/#/name": # is each item of a
+ * list, * each member of an object. Missing values are skipped. */
 template <class Action>
 void for_each(const ordered_json &value, const char *pattern, const place &at, Action action)
 {

@@ -1,8 +1,7 @@
-/* io/write/gltf_source_check.hpp - what must hold of a glTF document before an export carries it
- * over: all that it names is there, all ranges are within their buffers, and what grows is a list.
- * The reader looks only at what the scene shows; an export takes all of it along, and appends to
- * it. Private to the glTF writer; failures are gltf_failure and name the place as a JSON pointer.
- */
+/* io/write/gltf_source_check.hpp - checks a glTF document before an export copies it: all
+ * references exist, all ranges are within their buffers, and all extended values are lists. The
+ * reader checks only the parts of the shown scene; an export copies everything, and appends to it.
+ * Private to the glTF writer; failures are gltf_failure and give the place as a JSON pointer. */
 #ifndef MAROTTE_IO_GLTF_SOURCE_CHECK_HPP
 #define MAROTTE_IO_GLTF_SOURCE_CHECK_HPP
 #include "io/read/gltf_load.hpp"

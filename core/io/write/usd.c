@@ -100,7 +100,7 @@ static void put_integers(usd_file *self, const uint32_t *value, size_t count)
     fputc(']', self->stream);
 }
 
-/* The same integer again and again. */
+/* Writes the same integer repeatedly. */
 static void put_repeated(usd_file *self, const char *text, size_t count)
 {
     fputc('[', self->stream);
@@ -344,7 +344,7 @@ static void put_tokens(usd_file *self, const char *const *id, uint32_t count)
     fputs(count > 0 ? "]\n" : "[]\n", self->stream);
 }
 
-/* One joint that stays: what plays blend shapes wants a skeleton. */
+/* Writes a skeleton of one fixed joint, because players of blend shapes require one. */
 static void put_skeleton(usd_file *self, const clip_targets *shapes, const char *const *id,
                          uint32_t frame_count)
 {
@@ -465,7 +465,7 @@ static mrt_result put_points_file(usd_file *self, const clip *c, const char **ma
     return result;
 }
 
-/* So many decimals that a millionth of the mesh's size shows. */
+/* Returns the number of decimals that shows a millionth of the mesh's size. */
 static int decimals_of(const mesh *m, double per_mm)
 {
     float low[3], high[3];

@@ -132,9 +132,8 @@ void write_vrma(const char *path, const clip *c)
         add_track(to, look, "rotation", rotations_of(to, left, right), 4);
     }
     if (to.animation["channels"].empty())
-        gltf_fail(MRT_ERR_UNSUPPORTED,
-                  "nothing of this face turns or is an expression; its rig says "
-                  "what does (marotte rig new HEAD)");
+        gltf_fail(MRT_ERR_UNSUPPORTED, "this face has no bone that rotates and no expression; "
+                                       "define them in a rig (marotte rig new HEAD)");
     to.out.model.asset.version = "2.0";
     to.out.model.asset.generator = "marotte " MAROTTE_VERSION;
     ordered_json document = ordered_json::parse(gltf_output_json(to.out));

@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* At most so many frames, and so many bytes of them, are looked at. */
+/* Maximum number of frames for the Gram matrix, and of their bytes. */
 enum { MAX_PICKED = 320, MAX_PICKED_BYTES = 96 << 20 };
-/* What time counts when frames are picked, in units of the mean step. */
+/* Weight of time in the choice of frames, in units of the mean step. */
 static const double TIME_SHARE = 0.25;
 /* Axes weaker than this share of the strongest are rounding of the Gram matrix. */
 static const double NOISE = 1e-12;
