@@ -471,7 +471,7 @@ static int64_t within_layer(int64_t shown_ns, const take_layer *layer)
 static mrt_result lay_and_grow(take *t, take_layer *layer, take_clip clip, error *err)
 {
     edit_grow(t, layer, &clip);
-    return edit_lay(layer, clip, err);
+    return edit_insert_clip(layer, clip, err);
 }
 
 static mrt_result add_clip(take *t, const edit *e, error *err)
@@ -500,7 +500,7 @@ static mrt_result move_clip(take *t, edit_spot spot, const edit *e, error *err)
         return result;
     int64_t shown_ns =
         e->start_ns == EDIT_UNSAID ? spot.clip->start_ns + spot.layer->offset_ns : e->start_ns;
-    take_clip clip = edit_lift(spot);
+    take_clip clip = edit_remove_clip(spot);
     edit_shift(&clip, shown_ns - layer->offset_ns - clip.start_ns);
     return lay_and_grow(t, layer, clip, err);
 }
@@ -533,7 +533,7 @@ static mrt_result trim_clip(take *t, edit_spot spot, const edit *e, error *err)
     mrt_result result = check_reach(spot, start_ns, end_ns, err);
     if (result < 0)
         return result;
-    take_clip clip = edit_lift(spot);
+    take_clip clip = edit_remove_clip(spot);
     clip.start_ns = start_ns;
     clip.end_ns = end_ns;
     edit_fit_fades(&clip);
@@ -577,7 +577,7 @@ static mrt_result split_clip(take *t, edit_spot spot, const edit *e, error *err)
     spot.clip->fade_out_ns = 0;
     edit_fit_fades(spot.clip);
     edit_fit_fades(&after);
-    return edit_lay(spot.layer, after, err);
+    return edit_insert_clip(spot.layer, after, err);
 }
 
 /* ---- time within a clip ---- */
@@ -618,7 +618,7 @@ static mrt_result set_speed(take *t, edit_spot spot, const edit *e, error *err)
     mrt_result result = add_second_point(spot.clip, err);
     if (result < 0)
         return result;
-    take_clip clip = edit_lift(spot);
+    take_clip clip = edit_remove_clip(spot);
     int64_t about_ns = e->at_ns == EDIT_UNSAID ? clip.start_ns : e->at_ns - spot.layer->offset_ns;
     for (uint32_t i = 0; i < clip.warp_count; ++i)
         clip.warp[i].at_ns = scaled(clip.warp[i].at_ns, about_ns, e->speed);
@@ -689,7 +689,7 @@ static mrt_result apply_clip(take *t, const edit *e, error *err)
         return result;
     switch (e->kind) {
     case EDIT_CLIP_REMOVE: {
-        take_clip clip = edit_lift(spot);
+        take_clip clip = edit_remove_clip(spot);
         edit_clip_finish(&clip);
         return MRT_OK;
     }
@@ -1023,7 +1023,7 @@ static mrt_result punch_layer(take *t, take_layer *layer, const edit *e, error *
     clip.fade_in_ns = reach_over_start(layer, &span) ? 0 : span.fade_ns;
     clip.fade_out_ns = reach_over_end(layer, &span) ? 0 : span.fade_ns;
     edit_grow(t, layer, &clip);
-    return edit_lay(layer, clip, err);
+    return edit_insert_clip(layer, clip, err);
 }
 
 /* ---- comp: a layer for each part of the face ---- */
@@ -1064,7 +1064,7 @@ static bool meets(const take_layer *layer, const part *p)
 {
     for (uint32_t i = 0; i < layer->own_count; ++i)
         for (uint32_t k = 0; k < p->pattern_count; ++k)
-            if (own_patterns_meet(layer->own[i], p->pattern[k]))
+            if (own_patterns_overlap(layer->own[i], p->pattern[k]))
                 return true;
     return layer->own_count == 0;
 }

@@ -172,7 +172,7 @@ static bool is_before(const take_clip *a, const take_clip *b)
     return a->start_ns != b->start_ns ? a->start_ns < b->start_ns : a->end_ns < b->end_ns;
 }
 
-mrt_result edit_lay(take_layer *layer, take_clip clip, error *err)
+mrt_result edit_insert_clip(take_layer *layer, take_clip clip, error *err)
 {
     mrt_result result = edit_reserve((void **)&layer->clip, sizeof *layer->clip, layer->clip_count,
                                      EDIT_CLIPS_MAX, edit_layer_words(layer).text, err);
@@ -187,7 +187,7 @@ mrt_result edit_lay(take_layer *layer, take_clip clip, error *err)
     return MRT_OK;
 }
 
-take_clip edit_lift(edit_spot spot)
+take_clip edit_remove_clip(edit_spot spot)
 {
     take_clip clip = *spot.clip;
     uint32_t after = --spot.layer->clip_count - spot.index;

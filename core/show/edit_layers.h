@@ -49,9 +49,9 @@ CHECKED mrt_result edit_material(take_clip *out, take *t, const take_layer *laye
                                  int64_t start_ns, int64_t end_ns, error *err);
 /* Inserts the clip into the layer, sorted by start, and takes ownership of it. Frees it on failure.
  */
-CHECKED mrt_result edit_lay(take_layer *layer, take_clip clip, error *err);
+CHECKED mrt_result edit_insert_clip(take_layer *layer, take_clip clip, error *err);
 /* Removes the clip from its layer. The caller inserts it elsewhere or frees it. */
-take_clip edit_lift(edit_spot spot);
+take_clip edit_remove_clip(edit_spot spot);
 void edit_clip_finish(take_clip *clip);
 CHECKED mrt_result edit_clip_copy(take_clip *out, const take_clip *clip, uint32_t id, error *err);
 void edit_shift(take_clip *clip, int64_t by_ns);

@@ -62,7 +62,7 @@ static bool reaches(const char *pattern, stem s, const char *longer, stem l)
     return s.is_open || s.length == l.length || longer[s.length] == '.';
 }
 
-bool own_patterns_meet(const char *a, const char *b)
+bool own_patterns_overlap(const char *a, const char *b)
 {
     stem of_a = stem_of(a), of_b = stem_of(b);
     return of_a.length <= of_b.length ? reaches(a, of_a, b, of_b) : reaches(b, of_b, a, of_a);
@@ -87,7 +87,7 @@ bool own_layer_owns(const take_layer *layer, const char *name)
     return layer->own_count == 0;
 }
 
-bool own_layer_is_heard(const take *t, uint32_t layer)
+bool own_layer_is_active(const take *t, uint32_t layer)
 {
     bool is_solo_used = false;
     for (uint32_t i = 0; i < t->layer_count; ++i)
@@ -110,7 +110,7 @@ void own_weights(double *out, const take *t, const char *name, int64_t at_ns)
     double left = 1.0;
     for (uint32_t i = t->layer_count; i-- > 0;) {
         const take_layer *layer = &t->layer[i];
-        bool speaks = own_layer_is_heard(t, i) && own_layer_owns(layer, name);
+        bool speaks = own_layer_is_active(t, i) && own_layer_owns(layer, name);
         double share = speaks ? own_presence(layer, at_ns) : 0.0;
         out[i] = left * share;
         if (!layer->is_additive)

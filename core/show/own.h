@@ -33,7 +33,7 @@ bool own_region_named(const char *name, own_region *out);
 
 bool own_matches(const char *pattern, const char *name);
 /* Returns true if some name could match both patterns. */
-bool own_patterns_meet(const char *a, const char *b);
+bool own_patterns_overlap(const char *a, const char *b);
 /* Returns true if the text is not empty, has no spaces or control characters, and has '*' only at
  * its end. */
 bool own_is_pattern(const char *text);
@@ -41,7 +41,7 @@ bool own_is_pattern(const char *text);
 /* Returns true if a pattern of the layer matches. A layer without patterns owns all names. */
 bool own_layer_owns(const take_layer *layer, const char *name);
 /* Returns true if the layer is active: it is not muted, and it is solo or no layer is solo. */
-bool own_layer_is_heard(const take *t, uint32_t layer);
+bool own_layer_is_active(const take *t, uint32_t layer);
 
 /* Computes the weight of each layer for `name` at an instant, without gains. out: layer_count. From
  * the top layer down, each layer gets its share of the weight that the layers above have left. Its

@@ -103,10 +103,10 @@ typedef struct show_take { /* a take before its edits; edit.h applies them */
     int32_t base_edit_count; /* edits with n <= 0, which created the take and cannot be undone */
 } show_take;
 
-/* Begins a read transaction: all reads until show_look_end see the same state, and are faster. Keep
+/* Begins a read transaction: all reads until show_read_end see the same state, and are faster. Keep
  * it short. */
-CHECKED mrt_result show_look_begin(show *self, error *err);
-void show_look_end(show *self);
+CHECKED mrt_result show_read_begin(show *self, error *err);
+void show_read_end(show *self);
 
 /* Reads all takes, sorted by id, which is the order of their creation. */
 CHECKED mrt_result show_takes(show *self, show_take **out, size_t *out_count, error *err);

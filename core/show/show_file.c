@@ -81,7 +81,7 @@ static char *lock_path(const char *show_path)
     return path;
 }
 
-show_lock_state show_lock_take(show_lock *out, const char *show_path, char who[WHO])
+show_lock_state show_lock_acquire(show_lock *out, const char *show_path, char who[WHO])
 {
     *out = (show_lock){.fd = -1, .path = lock_path(show_path)};
     if (!out->path) {
@@ -103,7 +103,7 @@ show_lock_state show_lock_take(show_lock *out, const char *show_path, char who[W
     return SHOW_LOCK_OTHERS;
 }
 
-void show_lock_let_go(show_lock *lock)
+void show_lock_release(show_lock *lock)
 {
     if (lock->path && lock->fd >= 0) {
         if (is_still_there(lock->fd, lock->path))
@@ -153,12 +153,12 @@ mrt_result show_spend(show *self, uint64_t steps, error *err)
     return sqlite_spend(self->db, steps, err);
 }
 
-mrt_result show_look_begin(show *self, error *err)
+mrt_result show_read_begin(show *self, error *err)
 {
     return sqlite_run(self->db, "BEGIN", err);
 }
 
-void show_look_end(show *self)
+void show_read_end(show *self)
 {
     (void)!sqlite_run(self->db, "COMMIT", NULL);
 }

@@ -24,9 +24,9 @@ typedef enum show_lock_state {
     SHOW_LOCK_REFUSED, /* the lock file cannot be created; `who` gives the reason */
 } show_lock_state;
 
-/* Never waits. Release `out` with show_lock_let_go after any result. */
-show_lock_state show_lock_take(show_lock *out, const char *show_path, char who[256]);
-void show_lock_let_go(show_lock *lock); /* accepts a lock that is not held, zeroed or with fd -1 */
+/* Never waits. Release `out` with show_lock_release after any result. */
+show_lock_state show_lock_acquire(show_lock *out, const char *show_path, char who[256]);
+void show_lock_release(show_lock *lock); /* accepts a lock that is not held, zeroed or with fd -1 */
 
 /* ---- the open show ---- */
 

@@ -190,7 +190,7 @@ static bool may_write(show *self)
                    strerror(errno));
         return false;
     }
-    switch (show_lock_take(&self->lock, self->path, who)) {
+    switch (show_lock_acquire(&self->lock, self->path, who)) {
     case SHOW_LOCK_HELD:
         return true;
     case SHOW_LOCK_OTHERS:
@@ -258,7 +258,7 @@ static mrt_result open_any_way(show *self, show_mode mode, error *err)
         mrt_result result = open_for_writing(self, err);
         if (result >= 0 || !self->notice[0])
             return result;
-        show_lock_let_go(&self->lock);
+        show_lock_release(&self->lock);
     }
     identity id;
     mrt_result result = connect_for_reading(self, &id, err);
@@ -305,7 +305,7 @@ static mrt_result make_file(const char *path, error *err)
 static mrt_result fill_new(show *self, error *err)
 {
     char who[256];
-    if (show_lock_take(&self->lock, self->path, who) != SHOW_LOCK_HELD)
+    if (show_lock_acquire(&self->lock, self->path, who) != SHOW_LOCK_HELD)
         return error_set(err, MRT_ERR_IO, "%s: cannot create the show: %s", self->path, who);
     mrt_result result = sqlite_open(&self->db, self->path, SQLITE_MODE_MAKE, err);
     if (result >= 0)
@@ -367,7 +367,7 @@ void show_close(show *self)
     if (!self)
         return;
     sqlite_close(self->db);
-    show_lock_let_go(&self->lock);
+    show_lock_release(&self->lock);
     free(self->path);
     free(self);
 }

@@ -32,7 +32,7 @@ int64_t step_window_ns(const step_rhythm *a, const step_rhythm *b)
     return were_together ? period_ns / 4 * 3 : period_ns / 2;
 }
 
-void step_rhythm_take(step_rhythm *self, int64_t time_ns, uint64_t number)
+void step_rhythm_record(step_rhythm *self, int64_t time_ns, uint64_t number)
 {
     int64_t since_ns = time_ns - self->last_ns;
     if (self->last_step == 0 || since_ns <= 0 || since_ns > period_max_ns)

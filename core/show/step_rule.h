@@ -22,7 +22,7 @@ int64_t step_shorter_period_ns(const step_rhythm *a, const step_rhythm *b);
 /* Returns the maximum time between two samples of one step. */
 int64_t step_window_ns(const step_rhythm *a, const step_rhythm *b);
 /* Records that the sample at time_ns is in step `number`. */
-void step_rhythm_take(step_rhythm *self, int64_t time_ns, uint64_t number);
+void step_rhythm_record(step_rhythm *self, int64_t time_ns, uint64_t number);
 
 /* Builds the step of the earliest sample. First test all inputs that may pair with it, then the
  * inputs without a hand. */

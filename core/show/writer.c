@@ -494,7 +494,7 @@ static mrt_result put_tracks(writer *self, writer_track **out_failed, error *err
         if (track->count > track->committed_count) {
             if (track->chunk_id == 0)
                 track->chunk_id = self->next_chunk_id++;
-            result = writer_track_put(track, &self->store, err);
+            result = writer_track_write(track, &self->store, err);
         }
         if (result >= 0)
             result = tell_loss(self, track->id, track->lost_count, "", err);
@@ -987,7 +987,7 @@ static mrt_result add_track(writer *self, writer_job *job, take_track *track, ta
 {
     track->id = show_next_id(self->of, SHOW_ID_TRACK);
     if (job)
-        writer_job_put_track(job, track, texts);
+        writer_job_set_track(job, track, texts);
     mrt_result result = queue_job(self, job, err);
     self->track_count += result >= 0;
     return result;
@@ -1056,7 +1056,7 @@ static mrt_result begin_performance(writer *self, writer_job *job, take_performa
 {
     if (job) {
         performance->id = show_next_id(self->of, SHOW_ID_PERFORMANCE);
-        writer_job_put_performance(job, performance, texts);
+        writer_job_set_performance(job, performance, texts);
         job->from_ns = job->to_ns = writer_show_ns(self, time_ns);
     }
     return queue_job(self, job, err);

@@ -92,14 +92,14 @@ writer_job *writer_job_own(writer_job *lent)
     return job;
 }
 
-void writer_job_put_track(writer_job *job, const take_track *track, take_texts *texts)
+void writer_job_set_track(writer_job *job, const take_track *track, take_texts *texts)
 {
     *job->of.track = *track;
     job->texts = take_texts_hold(texts);
     job->id = track->id;
 }
 
-void writer_job_put_performance(writer_job *job, const take_performance *performance,
+void writer_job_set_performance(writer_job *job, const take_performance *performance,
                                 take_texts *texts)
 {
     *job->of.performance = *performance;
@@ -461,7 +461,7 @@ void writer_track_next_chunk(writer_track *track, bool was_kept)
     track->chunk_id = 0;
 }
 
-mrt_result writer_track_put(const writer_track *track, writer_store *store, error *err)
+mrt_result writer_track_write(const writer_track *track, writer_store *store, error *err)
 {
     uint8_t *bytes;
     size_t size;
@@ -584,7 +584,7 @@ static mrt_result put_chunk(leftover *self, leftover_track *track, error *err)
     if (track->track.count == 0)
         return MRT_OK;
     track->track.chunk_id = self->next_chunk_id++;
-    mrt_result result = writer_track_put(&track->track, &self->store, err);
+    mrt_result result = writer_track_write(&track->track, &self->store, err);
     writer_track_next_chunk(&track->track, true);
     return result;
 }
@@ -722,7 +722,7 @@ static mrt_result take_arrivals(leftover *self, spool *left, error *err)
             waiting_lane *lane = &self->lane[i];
             if (!lane->is_chosen)
                 continue;
-            step_rhythm_take(&lane->rhythm, lane->now.sample.time_ns, n);
+            step_rhythm_record(&lane->rhythm, lane->now.sample.time_ns, n);
             lane->now.sample.time_ns = time_ns;
             if (is_waiting(lane)) {
                 result = take_sample(self, lane->track->track.id, &lane->now.sample, err);

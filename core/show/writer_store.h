@@ -105,8 +105,8 @@ void writer_job_destroy(writer_job *job);
  * the lent job is unchanged. */
 writer_job *writer_job_own(writer_job *lent);
 /* Copies the description into the job, and holds the texts. The caller may then drop them. */
-void writer_job_put_track(writer_job *job, const take_track *track, take_texts *texts);
-void writer_job_put_performance(writer_job *job, const take_performance *performance,
+void writer_job_set_track(writer_job *job, const take_track *track, take_texts *texts);
+void writer_job_set_performance(writer_job *job, const take_performance *performance,
                                 take_texts *texts);
 CHECKED mrt_result writer_job_copy_bytes(writer_job *job, const void *bytes, size_t size,
                                          error *err);
@@ -157,7 +157,7 @@ writer_job *writer_track_seal(const writer_track *track, int64_t chunk_id, bool 
  * chunk. */
 void writer_track_next_chunk(writer_track *track, bool was_kept);
 /* Writes the current chunk. */
-CHECKED mrt_result writer_track_put(const writer_track *track, writer_store *store, error *err);
+CHECKED mrt_result writer_track_write(const writer_track *track, writer_store *store, error *err);
 
 /* ---- data that a killed writer left uncommitted ---- */
 

@@ -55,8 +55,8 @@ static void patterns_meet_if_a_name_matches_both(void **state)
     };
     for (size_t i = 0; i < sizeof meetings / sizeof meetings[0]; ++i) {
         const match *m = &meetings[i];
-        if (own_patterns_meet(m->pattern, m->name) != m->matches ||
-            own_patterns_meet(m->name, m->pattern) != m->matches)
+        if (own_patterns_overlap(m->pattern, m->name) != m->matches ||
+            own_patterns_overlap(m->name, m->pattern) != m->matches)
             fail_msg("%s, %s", m->pattern, m->name);
     }
 }
@@ -183,7 +183,7 @@ static void muted_layers_take_nothing_and_solo_silences_others(void **state)
     require_weights(&t, "mouth.corner.l", 5000, 1, 0, 0);
     help_do(&t, "{'op':'layer.solo','layer':5,'solo':true}");
     require_weights(&t, "mouth.corner.l", 5000, 1, 0, 0);
-    assert_false(own_layer_is_heard(&t, 2));
+    assert_false(own_layer_is_active(&t, 2));
     help_do(&t, "{'op':'layer.mute','layer':5,'muted':false}");
     require_weights(&t, "mouth.corner.l", 5000, 0, 0, 1);
     take_finish(&t);

@@ -580,11 +580,11 @@ static bool can_speak_of(const take_layer *on, const edit *e)
     bool is_any = on->own_count == 0 || (e->regions == 0 && e->own_count == 0);
     for (uint32_t i = 0; i < on->own_count && !is_any; ++i) {
         for (uint32_t k = 0; k < e->own_count; ++k)
-            is_any |= own_patterns_meet(on->own[i], e->own[k]);
+            is_any |= own_patterns_overlap(on->own[i], e->own[k]);
         for (uint32_t region = 0; region < OWN_REGION_COUNT; ++region) {
             const own_part *part = own_part_of((own_region)region);
             for (uint32_t k = 0; e->regions & 1u << region && k < part->pattern_count; ++k)
-                is_any |= own_patterns_meet(on->own[i], part->pattern[k]);
+                is_any |= own_patterns_overlap(on->own[i], part->pattern[k]);
         }
     }
     return is_any;
@@ -596,7 +596,7 @@ static const take_clip *find_material(const take *of, const edit *e, int64_t at_
 {
     for (uint32_t i = of->layer_count; i-- > 0;) {
         take_voice voice[2];
-        if (!own_layer_is_heard(of, i) || !can_speak_of(&of->layer[i], e))
+        if (!own_layer_is_active(of, i) || !can_speak_of(&of->layer[i], e))
             continue;
         if (take_at(voice, &of->layer[i], at_ns) > 0) {
             *out_at_ns = at_ns - of->layer[i].offset_ns;

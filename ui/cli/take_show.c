@@ -339,7 +339,7 @@ static mrt_result run_list(take_call *call, error *err)
 {
     show_take *takes;
     size_t count;
-    mrt_result result = show_look_begin(call->show, err);
+    mrt_result result = show_read_begin(call->show, err);
     if (result >= 0)
         result = show_takes(call->show, &takes, &count, err);
     if (result < 0)
@@ -352,7 +352,7 @@ static mrt_result run_list(take_call *call, error *err)
         report_row(call, &takes[i], &t, problem.text);
         take_finish(&t);
     }
-    show_look_end(call->show);
+    show_read_end(call->show);
     facts_number(call->told, "take_count", "takes", (double)count, 0, "");
     free(takes);
     return cancel_check(err);

@@ -88,7 +88,7 @@ static mrt_result compare(const char *path, const take_performance *p, const rig
 static int64_t first_performance(const take *t)
 {
     for (uint32_t i = 0; i < t->layer_count; ++i)
-        if (own_layer_is_heard(t, i) && t->layer[i].clip_count > 0)
+        if (own_layer_is_active(t, i) && t->layer[i].clip_count > 0)
             return t->layer[i].clip[0].performance;
     for (uint32_t i = 0; i < t->layer_count; ++i)
         if (t->layer[i].clip_count > 0)

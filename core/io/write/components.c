@@ -333,7 +333,7 @@ static mrt_result read_block(search *s, const uint32_t *index, uint32_t lanes, e
         mrt_result result = window_frames_read(&s->frames, index[lane], s->residual, err);
         if (result < 0)
             return result;
-        frame_block_put(s->block, lane, s->residual, s->length);
+        frame_block_set(s->block, lane, s->residual, s->length);
     }
     return MRT_OK;
 }

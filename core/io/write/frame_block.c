@@ -17,7 +17,7 @@
     }
 #endif
 
-void frame_block_put(float *block, uint32_t lane, const float *frame, size_t length)
+void frame_block_set(float *block, uint32_t lane, const float *frame, size_t length)
 {
     for (size_t d = 0; d < length; ++d)
         block[d * FRAME_BLOCK + lane] = frame[d];

@@ -11,7 +11,7 @@
 enum { FRAME_BLOCK = 16 };
 
 /* Copy one frame into or out of its lane. */
-void frame_block_put(float *block, uint32_t lane, const float *frame, size_t length);
+void frame_block_set(float *block, uint32_t lane, const float *frame, size_t length);
 void frame_block_get(float *out, const float *block, uint32_t lane, size_t length);
 /* out_dot: row_count by FRAME_BLOCK, the inner products of each row with each frame.
  * row: row_count by length. */

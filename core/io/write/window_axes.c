@@ -82,7 +82,7 @@ static void gram(workshop *w, double *out)
         uint32_t lanes = lanes_from(first, count);
         memset(w->block, 0, w->length * FRAME_BLOCK * sizeof *w->block);
         for (uint32_t lane = 0; lane < lanes; ++lane)
-            frame_block_put(w->block, lane, w->row + (first + lane) * w->length, w->length);
+            frame_block_set(w->block, lane, w->row + (first + lane) * w->length, w->length);
         frame_block_dot(w->dot, w->row, first + lanes, w->block, w->length);
         for (uint32_t i = 0; i < first + lanes; ++i)
             for (uint32_t lane = 0; lane < lanes; ++lane) {

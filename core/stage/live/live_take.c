@@ -93,7 +93,7 @@ static int64_t first_performance(const take *t)
     int64_t found = 0;
     for (uint32_t i = 0; i < t->layer_count; ++i)
         for (uint32_t j = 0; j < t->layer[i].clip_count && found == 0; ++j)
-            if (own_layer_is_heard(t, i))
+            if (own_layer_is_active(t, i))
                 found = t->layer[i].clip[j].performance;
     return found;
 }

@@ -250,7 +250,7 @@ void scheduler_take(scheduler *self, sample_step *s)
     uint64_t number = self->step_count + 1;
     for (uint32_t i = 0; i < s->count; ++i) {
         scheduler_entry *e = &self->entry[s->of[i].input];
-        step_rhythm_take(&e->rhythm, s->of[i].sample.time_ns, number);
+        step_rhythm_record(&e->rhythm, s->of[i].sample.time_ns, number);
         e->is_missed = false;
         e->source.take(e->source.self);
     }

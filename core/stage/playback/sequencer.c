@@ -339,7 +339,7 @@ static mrt_result cross_boundary(sequencer *self, int64_t at_ns, bool *out_chang
     for (uint32_t i = 0; i < self->take.layer_count && result >= 0; ++i) {
         take_voice voice[2];
         uint32_t count =
-            own_layer_is_heard(&self->take, i) ? take_at(voice, &self->take.layer[i], at_ns) : 0;
+            own_layer_is_active(&self->take, i) ? take_at(voice, &self->take.layer[i], at_ns) : 0;
         for (uint32_t j = 0; j < count && result >= 0; ++j) {
             play *p = find_play(self, i, voice[j].clip->id);
             if (p) {
@@ -697,7 +697,7 @@ static mrt_result list_boundaries(sequencer *self, error *err)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the take");
     for (uint32_t i = 0; i < self->take.layer_count; ++i) {
         const take_layer *l = &self->take.layer[i];
-        for (uint32_t j = 0; own_layer_is_heard(&self->take, i) && j < l->clip_count; ++j) {
+        for (uint32_t j = 0; own_layer_is_active(&self->take, i) && j < l->clip_count; ++j) {
             self->boundary[self->boundary_count++] = l->clip[j].start_ns + l->offset_ns;
             self->boundary[self->boundary_count++] = l->clip[j].end_ns + l->offset_ns;
         }
@@ -785,7 +785,7 @@ static bool is_shown(const sequencer *self, uint32_t lane, const take_clip *c, i
                      int64_t to_ns)
 {
     int64_t offset_ns = self->take.layer[lane].offset_ns;
-    return own_layer_is_heard(&self->take, lane) && !c->is_muted &&
+    return own_layer_is_active(&self->take, lane) && !c->is_muted &&
            c->start_ns + offset_ns < to_ns && c->end_ns + offset_ns > from_ns;
 }
 

@@ -351,7 +351,7 @@ bool timeline_moves(const take_layer *layer, own_region region)
     const own_part *part = own_part_of(region);
     for (uint32_t i = 0; i < layer->own_count; ++i)
         for (uint32_t k = 0; k < part->pattern_count; ++k)
-            if (own_patterns_meet(layer->own[i], part->pattern[k]))
+            if (own_patterns_overlap(layer->own[i], part->pattern[k]))
                 return true;
     return layer->own_count == 0;
 }
@@ -379,7 +379,7 @@ static origin find_origin(const take *from, own_region region, int64_t at_ns)
         uint32_t index = is_all ? n : from->layer_count - 1 - n;
         const take_layer *layer = &from->layer[index];
         const take_clip *clip = clip_at(layer, at_ns);
-        if (clip && own_layer_is_heard(from, index) && (is_all || timeline_moves(layer, region)))
+        if (clip && own_layer_is_active(from, index) && (is_all || timeline_moves(layer, region)))
             return (origin){layer, clip};
     }
     return (origin){NULL, NULL};

@@ -580,7 +580,7 @@ static void paint_lane(panel *self, ui *on, const timeline_row *row, const take 
     ui_clip_begin(on, where);
     if (row->kind == TIMELINE_LAYER) {
         const take_layer *lane = &t->layer[row->index];
-        paint_clips(self, on, row, lane, 0, own_layer_is_heard(t, row->index));
+        paint_clips(self, on, row, lane, 0, own_layer_is_active(t, row->index));
         paint_overlaps(self, on, row, lane);
     } else if (row->kind == TIMELINE_SOUND)
         paint_wave(self, on, row, t);
