@@ -118,7 +118,7 @@ static void a_small_window_keeps_room_for_its_panels(void **state)
     assert_non_null(size);
     scene_move(&s, size->where.x + 4.0f, size->where.y + 4.0f);
     scene_frames(&s, 60);
-    assert_non_null(scene_word_with(&s, "Enlarge the window"));
+    assert_non_null(scene_word_with(&s, "Enlarge the"));
     scene_close(&s);
 }
 
@@ -223,10 +223,10 @@ static void a_key_is_changed_by_a_click_and_a_key(void **state)
     scene_open_again(&s, &kept);
     scene_do(&s, ACTION_HELP);
     scene_click_word(&s, "Record");
-    assert_non_null(scene_word_with(&s, "Record: press its new key"));
+    assert_non_null(scene_word_with(&s, "Record: press the new key"));
     scene_look(&s, "habits_key_waits");
     scene_key(&s, 'M', 0); /* somebody else's: it says whose */
-    assert_non_null(scene_word_with(&s, "M is \"Mark\""));
+    assert_non_null(scene_word_with(&s, "M is used by \"Add marker\""));
     assert_int_equal(key_map_action(&app_looks_of(s.app)->keys, (key_chord){'M', 0}), ACTION_MARK);
     scene_key(&s, 'Q', UI_SHIFT); /* free */
     assert_non_null(scene_word(&s, "Shift+Q"));

@@ -11,7 +11,7 @@
 
 static const char demo[] = "log:" SOURCE_DIR "/plugins/log/demo_hand.csv,loop=1";
 static const char *const demo_inputs[] = {demo};
-static const char taken[] = "A take is shown. L: back to the live hands";
+static const char taken[] = "A take is shown. Press L to go back to the live hands";
 
 static bool has_samples(scene *s, void *data)
 {

@@ -36,8 +36,8 @@ window() {
     ends 0
 }
 
-# The film: the demo hand plays at a quarter of its speed, so that a slow machine draws each frame.
-film_fps=12 film_s=6 film_slowness=4
+# The film: the demo hand plays at an eighth of its speed, so that a slow machine draws each frame.
+film_fps=12 film_s=6 film_slowness=8
 {
     echo 'do show_card'
     echo 'do face_only'
@@ -45,7 +45,7 @@ film_fps=12 film_s=6 film_slowness=4
     echo "wait $((film_s * film_slowness + 60))"
 } >script.txt
 rm -f now.png
-open_window film.marotte --face "$puppet" --map one_hand --input log:demo,speed=0.25 --size 1440x810 --settings "" --script script.txt
+open_window film.marotte --face "$puppet" --map one_hand --input log:demo,speed=0.125 --size 1440x810 --settings "" --script script.txt
 until_true test -s now.png || fail "the film does not begin: $(cat stderr.txt)"
 xdotool mousemove 1439 809 # its circle is not on the face
 ffmpeg -v error -f x11grab -draw_mouse 0 -framerate "$film_fps/$film_slowness" -video_size 1440x810 -i "$DISPLAY" \

@@ -215,13 +215,13 @@ static void pulls_and_clay_are_undone_and_done_again_bit_for_bit(void **state)
         shown[i + 1] = pull_with(modifiers[i], 440.0f + 15.0f * (float)i, 260.0f);
         assert_false(is_face(&s, &shown[i]));
     }
-    assert_non_null(scene_word(&s, "Held: N clears it"));
+    assert_non_null(scene_word(&s, "Held pulls. Press N to clear them"));
     scene_do(&s, ACTION_NEUTRAL);
     expect_face(&shown[0], "cleared");
-    assert_null(scene_word(&s, "Held: N clears it"));
+    assert_null(scene_word(&s, "Held pulls. Press N to clear them"));
     scene_do(&s, ACTION_UNDO);
     expect_face(&shown[PULLS], "clearing undone");
-    assert_non_null(scene_word_with(&s, "undone: clearing"));
+    assert_non_null(scene_word_with(&s, "undone: release"));
     for (uint32_t i = PULLS; i > 0; --i) {
         scene_do(&s, ACTION_UNDO);
         expect_face(&shown[i - 1], "undone");
@@ -229,12 +229,12 @@ static void pulls_and_clay_are_undone_and_done_again_bit_for_bit(void **state)
         if (i == 3)
             scene_look(&s, "viewport_undone");
     }
-    assert_null(scene_word(&s, "Held: N clears it"));
+    assert_null(scene_word(&s, "Held pulls. Press N to clear them"));
     for (uint32_t i = 1; i <= PULLS; ++i) {
         scene_do(&s, ACTION_REDO);
         expect_face(&shown[i], "redone");
     }
-    assert_non_null(scene_word(&s, "Held: N clears it"));
+    assert_non_null(scene_word(&s, "Held pulls. Press N to clear them"));
     for (uint32_t i = 0; i <= PULLS; ++i)
         free(shown[i].row);
     scene_close(&s);

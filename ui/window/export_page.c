@@ -489,7 +489,7 @@ static void draw_choices(export_page *self)
     if (ui_choice(on, "Format", label, names, FORMATS, &self->format))
         put_ending(self);
     ui_text_wrapped(on, UI_STYLE_DIM, formats[self->format].holds);
-    choose_look(on, "Frames per second", label, rates, RATES, &self->rate);
+    choose_look(on, "Frame rate", label, rates, RATES, &self->rate);
     if (is_drawn(self))
         draw_looks(self, label);
     ui_space(on, 4.0f);
