@@ -49,7 +49,7 @@ bad() { # code words, then those of the export
 }
 bad 2 'have the same file name' --all --export 'out/{scene}.pc2'
 bad 2 'needs {take} or {slate}' --all --export out/x.pc2
-bad 2 'are what a name may have' --all --export 'out/{face}.pc2'
+bad 2 'a name can contain only' --all --export 'out/{face}.pc2'
 bad 2 'give a TAKE, or --all' --export out/x.pc2
 bad 2 'give a TAKE, or --all' 1 --all --export 'out/{take}.pc2'
 bad 2 'for parts of one take' 1 --jobs 2 --export out/x.pc2

@@ -212,10 +212,10 @@ says 'max 0.000 mm' diff elsewhere/t.marotte 1 1
 says 'wrote              elsewhere/u.marotte' recover elsewhere/t.marotte --out elsewhere/u.marotte
 [ "$(sum_of elsewhere/u.marotte 1)" = "$whole" ] || fail "packed and recovered: plays otherwise"
 printf x >>"$(echo elsewhere/t.pack/*/puppet.glb)"
-refused 1 'is not what was packed' "$MAROTTE" take show elsewhere/t.marotte 1 --hash
+refused 1 'differs from the packed file' "$MAROTTE" take show elsewhere/t.marotte 1 --hash
 refused 1 'damaged in 1 places' "$MAROTTE" take check elsewhere/t.marotte
 rm -r elsewhere/t.pack/*/
-refused 1 'does not have the face' "$MAROTTE" take show elsewhere/t.marotte 1 --hash
+refused 1 'does not have the performed face' "$MAROTTE" take show elsewhere/t.marotte 1 --hash
 [ "$(sum_of elsewhere/t.marotte 1 --face "$puppet")" = "$whole" ] || fail "packed: --face does not help"
 
 # ---- what is wrong ----

@@ -46,20 +46,20 @@ static void one_click_chooses_a_file_and_two_open_it_and_no_more(void **state)
 static bool says_held(scene *of, void *data)
 {
     (void)data;
-    return scene_word(of, "Held: N clears it") != NULL;
+    return scene_word(of, "Held pulls. Press N to clear them") != NULL;
 }
 
 static bool says_nothing_held(scene *of, void *data)
 {
     (void)data;
-    return scene_word_with(of, "Held: ") == NULL;
+    return scene_word_with(of, "Held pulls") == NULL;
 }
 
 static void a_chip_says_that_something_is_held_until_neutral(void **state)
 {
     (void)state;
     scene_open(&s, 1280, 720, 1.0f);
-    assert_null(scene_word_with(&s, "Held: "));
+    assert_null(scene_word_with(&s, "Held pulls"));
     scene_modifiers(&s, UI_SHIFT, true);
     scene_drag(&s, 440.0f, 260.0f, 460.0f, 285.0f, 8);
     scene_modifiers(&s, UI_SHIFT, false);

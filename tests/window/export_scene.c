@@ -269,7 +269,7 @@ static void clay_leaves_the_curves_their_names(void **state)
     scene_drag(&s, 460.0f, 260.0f, 480.0f, 300.0f, 12);
     scene_modifiers(&s, UI_CONTROL, false);
     scene_frames(&s, 30);
-    assert_non_null(scene_word(&s, "Held: N clears it"));
+    assert_non_null(scene_word(&s, "Held pulls. Press N to clear them"));
     scene_look(&s, "export_clay");
     record_a_take(&s);
     scene_do(&s, ACTION_EXPORT);
@@ -282,12 +282,12 @@ static void clay_leaves_the_curves_their_names(void **state)
     scene_do(&s, ACTION_LIVE);
     scene_do(&s, ACTION_NEUTRAL);
     scene_frames(&s, 3);
-    assert_null(scene_word(&s, "Held: N clears it"));
+    assert_null(scene_word(&s, "Held pulls. Press N to clear them"));
     scene_modifiers(&s, UI_SHIFT, true);
     scene_drag(&s, 460.0f, 260.0f, 480.0f, 300.0f, 12);
     scene_modifiers(&s, UI_SHIFT, false);
-    scene_click_word(&s, "Held: N clears it"); /* so does a click */
-    assert_null(scene_word(&s, "Held: N clears it"));
+    scene_click_word(&s, "Held pulls. Press N to clear them"); /* so does a click */
+    assert_null(scene_word(&s, "Held pulls. Press N to clear them"));
     scene_close(&s);
 }
 

@@ -345,7 +345,7 @@ static void two_rounds_teach_the_mapping_and_faces_are_met(void **state)
     const char *met = NULL;
     const ui_word *words;
     for (uint32_t i = 0; i < ui_words(s->ui, &words); ++i)
-        if (strstr(words[i].text, " of 22 met"))
+        if (strstr(words[i].text, " of 22 done"))
             met = words[i].text;
     assert_non_null(met);
     print_message("%s\n", met);

@@ -211,6 +211,8 @@ static void a_view_of_the_camera_is_kept_and_come_back_to(void **state)
     for (int i = 0; i < DRAW_VIEW_NUMBERS; ++i)
         assert_true(fabs(here.number[i] - there.number[i]) < 1e-3);
     scene_check_words(&s);
+    scene_move(&s, 300.0f, 300.0f); /* the hint goes away */
+    scene_frames(&s, 30);
     scene_click_word(&s, "Remove");
     assert_int_equal(kept_scenery_now(app_scenery(s.app))->view_count, 0);
     scene_close(&s);
@@ -416,7 +418,7 @@ static void a_picture_that_the_show_has_lost_is_said(void **state)
     assert_true(scene_until(&s, has_backdrop, NULL));
     assert_int_equal(show_pictures_forget(app_show(s.app), "", &err), MRT_OK);
     open_stage(&s);
-    assert_true(scene_until(&s, has_news, "lost.png, is not in the show any more"));
+    assert_true(scene_until(&s, has_news, "lost.png is no longer in the show"));
     assert_false(has_backdrop(&s, NULL));
     scene_close(&s);
 }

@@ -524,7 +524,7 @@ static void draw_contact_bone(panel *self, ui *on, const rig *r)
     uint32_t bone = r->contact[self->contact].bone, index = bone == RIG_NONE ? 0 : bone + 1;
     for (uint32_t i = 0; i < r->bone_count; ++i)
         items[i + 1] = r->bone[i].name;
-    if (!ui_choice(on, "Moves with", RIG_PANEL_LABEL, items, r->bone_count + 1, &index))
+    if (!ui_choice(on, "Bone", RIG_PANEL_LABEL, items, r->bone_count + 1, &index))
         return;
     rig *changed = rig_panel_begin(self);
     bone = index == 0 ? RIG_NONE : index - 1;

@@ -547,7 +547,7 @@ static void draw_parent(panel *self, ui *on, const rig *r)
     for (uint32_t i = 0; i < index; ++i)
         items[i] = r->bone[i].name;
     items[nothing] = "nothing";
-    if (!ui_choice(on, "Moves with", RIG_PANEL_LABEL, items, index + 1, &chosen) ||
+    if (!ui_choice(on, "Parent", RIG_PANEL_LABEL, items, index + 1, &chosen) ||
         chosen == before)
         return;
     rig *to = rig_panel_begin(self);
@@ -659,7 +659,7 @@ static void draw_proxy(panel *self, ui *on, const rig *r)
         proxy.centre = parting->centre;
         proxy.radii = parting->radii;
         set_proxy(self, &proxy, "change an ellipsoid");
-    } else if (ui_choice(on, "Moves with", RIG_PANEL_LABEL, items, r->bone_count, &proxy.bone)) {
+    } else if (ui_choice(on, "Bone", RIG_PANEL_LABEL, items, r->bone_count, &proxy.bone)) {
         set_proxy(self, &proxy, "change the bone of an ellipsoid");
     }
     if (number == rig_model_number(self->model) && ui_button(on, "Remove", UI_PLAIN))
@@ -845,7 +845,7 @@ static void draw_jaw_try(panel *self, ui *on)
                            &self->mouthing.sealed_percent) ||
                  is_new;
     (void)snprintf(text, sizeof text, "%.0f mm", jawing->gap_mm);
-    ui_fact(on, "Teeth move", RIG_PANEL_LABEL, UI_STYLE_NUMBER, text);
+    ui_fact(on, "Gap", RIG_PANEL_LABEL, UI_STYLE_NUMBER, text);
     if (ui_button(on, "Reset##try", UI_PLAIN)) {
         jawing->open_deg = jawing->aside_mm = jawing->forward_mm = 0.0;
         self->mouthing.sealed_percent = 0.0;
