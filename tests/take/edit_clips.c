@@ -41,7 +41,7 @@ static void a_clip_can_show_any_span_of_its_performance(void **state)
     help_refused(&t, "{'op':'clip.add','layer':3,'performance':8,'from_ns':5000m,'to_ns':5000m}",
                  "$.to_ns: expected an end after from_ns");
     help_refused(&t, "{'op':'clip.add','layer':3,'performance':8,'source_ns':1,'warp':[[0,0]]}",
-                 "$.source_ns: the warp says");
+                 "$.source_ns: the warp already sets");
     help_refused(&t, "{'op':'clip.add','layer':9,'performance':8}", "layer 9: the take has no");
     take_finish(&t);
 }
@@ -112,7 +112,7 @@ static void a_split_is_inside_and_out_of_cross_fades(void **state)
     help_do(&t, "{'op':'clip.add','layer':1,'performance':8,'start_ns':5000m,'source_ns':0}");
     help_refused(&t, "{'op':'clip.split','clip':2,'at_ns':5500m}",
                  "split it outside its cross-fades, in 0.000000001 .. 5 s");
-    help_refused(&t, "{'op':'clip.split','clip':3,'at_ns':5500m}", "is 6 .. 14.999999999 s");
+    help_refused(&t, "{'op':'clip.split','clip':3,'at_ns':5500m}", "in 6 .. 14.999999999 s");
     help_do(&t, "{'op':'clip.split','clip':3,'at_ns':6000m}");
     help_check(&t);
     take_finish(&t);

@@ -142,7 +142,7 @@ static void a_punch_needs_room_and_material(void **state)
     (void)state;
     take t = help_take();
     help_refused(&t, PUNCH("3000m", "3000m", "0"), "punch 3 .. 3 s: expected an end after");
-    help_refused(&t, PUNCH("3000m", "4000m", "501m"), "at most 0.5 s do");
+    help_refused(&t, PUNCH("3000m", "4000m", "501m"), "use at most 0.5 s");
     help_refused(&t, PUNCH("3000m", "18001m", "0"),
                  "performance 8 can be shown only at -2 .. 18 s");
     help_do(&t, PUNCH("3000m", "4000m", "500m"));

@@ -212,7 +212,7 @@ static void a_layer_has_at_most_4096_clips(void **state)
     }
     assert_int_equal(result, MRT_OK);
     assert_int_equal(edit_apply(&t, &add, &err), MRT_ERR_ARGUMENT);
-    assert_non_null(strstr(err.text, "layer 3 'many': there are 4096, and no room"));
+    assert_non_null(strstr(err.text, "layer 3 'many': the limit of 4096 is reached"));
     help_refused(&t, "{'op':'range.insert','at_ns':1500000,'length_ns':1}",
                  "the cut would create too many clips");
     help_do(&t, "{'op':'range.insert','at_ns':1m,'length_ns':1}");

@@ -179,7 +179,7 @@ static void there_are_at_most_16_layers(void **state)
     take t = help_take();
     for (int i = 1; i < EDIT_LAYERS_MAX; ++i)
         help_do(&t, "{'op':'layer.add','name':'x'}");
-    help_refused(&t, "{'op':'layer.add','name':'x'}", "layers: there are 16, and no room");
+    help_refused(&t, "{'op':'layer.add','name':'x'}", "layers: the limit of 16 is reached");
     take_finish(&t);
 }
 
