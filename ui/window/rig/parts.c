@@ -547,8 +547,7 @@ static void draw_parent(panel *self, ui *on, const rig *r)
     for (uint32_t i = 0; i < index; ++i)
         items[i] = r->bone[i].name;
     items[nothing] = "nothing";
-    if (!ui_choice(on, "Parent", RIG_PANEL_LABEL, items, index + 1, &chosen) ||
-        chosen == before)
+    if (!ui_choice(on, "Parent", RIG_PANEL_LABEL, items, index + 1, &chosen) || chosen == before)
         return;
     rig *to = rig_panel_begin(self);
     if (to)
