@@ -304,7 +304,7 @@ static bool shows_no_word(scene *of, void *text)
     return !shows_word(of, text);
 }
 
-static char asks_at_all[] = "The desktop";
+static char asks_at_all[] = "dialog of the desktop";
 static char waits[] = "Opening the dialog of the desktop", asks[] = "Choose the file in the dialog",
             of_list[] = "Shows";
 
@@ -342,7 +342,7 @@ static void a_file_that_is_not_there_is_said_and_nothing_is_made(void **state)
     (void)snprintf(uri, sizeof uri, "file://%s", path);
     let_choose(uri);
     scene_do(&s, ACTION_OPEN);
-    (void)snprintf(uri, sizeof uri, "%s is not there", path);
+    (void)snprintf(uri, sizeof uri, "%s does not exist", path);
     assert_true(scene_until(&s, shows_word, uri));
     end_portal();
     assert_int_not_equal(access(path, F_OK), 0);
