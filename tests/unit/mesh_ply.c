@@ -245,7 +245,7 @@ static void malformed_files_are_refused(void **state)
          "line 11: \"z\" is not finite"},
         {TEXT VERTEX FACE "end_header\n0 0 0\n1 0\n0 1 0\n3 0 1 2\n", "line 11: fewer values"},
         {TEXT VERTEX FACE "end_header\n0 0 0\n1 0 0 0\n0 1 0\n3 0 1 2\n",
-         "line 11: there are more"},
+         "line 11: more values"},
         {TEXT VERTEX FACE "end_header\n0 0 0\n1 0 0\n0 1 0\n", "the file ends too early"},
         {TEXT VERTEX FACE "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "a face uses vertex 3"},
         {TEXT VERTEX FACE "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", "a face uses vertex -1"},
