@@ -99,28 +99,36 @@ typedef struct counter {
     uint64_t number;
 } counter;
 
-static void count_undo(void *owner, void *data)
+/* The values of a change are the number and the one after it. */
+static mrt_result count(void *owner, const void *value)
 {
-    ((counter *)owner)->undone += 1;
-    ((counter *)owner)->number = (uintptr_t)data;
+    counter *self = owner;
+    const uint64_t number = *(const uint64_t *)value;
+    self->undone += number % 2 == 0;
+    self->redone += number % 2 == 1;
+    self->number = number / 2;
+    return MRT_OK;
 }
 
-static void count_redo(void *owner, void *data)
+static undo_change change_of(counter *of, const char *words, uint64_t number)
 {
-    ((counter *)owner)->redone += 1;
-    ((counter *)owner)->number = (uintptr_t)data;
+    const uint64_t before = 2 * number, after = 2 * number + 1;
+    undo_change out = {.owner = of, .set = count};
+    (void)snprintf(out.words, sizeof out.words, "%s", words);
+    assert_true(undo_change_copy(&out, &before, &after, sizeof after));
+    return out;
 }
 
 static void steps_of_panels_lie_between_edits_of_takes(void **state)
 {
     room r;
     counter c = {0};
-    const app_step step = {&c, "set smile to 8", count_undo, count_redo, .data = (void *)42};
+    const undo_change step = change_of(&c, "set smile to 8", 42);
     (void)state;
     open_room(&r, true);
     record_a_take(&r);
     app_do(r.app, ACTION_RATE_1);
-    app_did(r.app, &step);
+    app_add_change(r.app, &step);
     app_do(r.app, ACTION_RATE_2);
     app_do(r.app, ACTION_UNDO);
     assert_int_equal(c.undone, 0);
@@ -131,7 +139,7 @@ static void steps_of_panels_lie_between_edits_of_takes(void **state)
     assert_int_equal(rating(&r), 1);
     app_do(r.app, ACTION_REDO);
     assert_int_equal(c.redone, 1);
-    app_forget_steps(r.app, &c);
+    app_forget_changes(r.app, &c);
     app_do(r.app, ACTION_UNDO);
     assert_int_equal(c.undone, 1);
     assert_int_equal(rating(&r), 0);
@@ -207,42 +215,34 @@ static void undo_stops_where_another_take_begins(void **state)
     close_room(&r);
 }
 
-static uint32_t forgotten;
-
-static void count_forgotten(void *data)
-{
-    (void)data;
-    forgotten += 1;
-}
-
-static void a_thousand_steps_are_undone_and_what_is_older_is_forgotten_once(void **state)
+static void a_thousand_changes_can_be_undone_and_older_ones_are_dropped(void **state)
 {
     room r;
     counter c = {0};
     (void)state;
     open_room(&r, false);
-    forgotten = 0;
     for (uint64_t i = 0; i < 3000; ++i) {
-        const app_step step = {
-            &c, "step", count_undo, count_redo, .data = (void *)i, .forget = count_forgotten};
-        app_did(r.app, &step);
+        const undo_change step = change_of(&c, "step", i);
+        app_add_change(r.app, &step);
     }
+    const size_t each = 2 * sizeof(uint64_t);
+    assert_int_equal(app_undo_bytes(r.app), 1024 * each);
     const char *why;
     while (app_can(r.app, ACTION_UNDO, &why))
         app_do(r.app, ACTION_UNDO);
     assert_int_equal(c.undone, 1024);
+    assert_int_equal(c.number, 3000 - 1024);
     while (app_can(r.app, ACTION_REDO, &why))
         app_do(r.app, ACTION_REDO);
     assert_int_equal(c.redone, c.undone);
     assert_int_equal(c.number, 2999);
-    assert_int_equal(forgotten, 3000 - 1024);
     app_do(r.app, ACTION_UNDO);
     app_do(r.app, ACTION_UNDO);
-    const app_step last = {&c, "another", count_undo, count_redo, .forget = count_forgotten};
-    app_did(r.app, &last);
-    assert_int_equal(forgotten, 3000 - 1024 + 2);
-    app_forget_steps(r.app, &c);
-    assert_int_equal(forgotten, 3001);
+    const undo_change last = change_of(&c, "another", 3000);
+    app_add_change(r.app, &last);
+    assert_int_equal(app_undo_bytes(r.app), (1024 - 2 + 1) * each);
+    app_forget_changes(r.app, &c);
+    assert_int_equal(app_undo_bytes(r.app), 0);
     close_room(&r);
 }
 
@@ -252,9 +252,11 @@ static void steps_that_are_large_make_room_for_each_other(void **state)
     counter c = {0};
     (void)state;
     open_room(&r, false);
-    const app_step large = {&c, "large", count_undo, count_redo, .bytes = (size_t)100 << 20};
-    for (uint32_t i = 0; i < 9; ++i)
-        app_did(r.app, &large);
+    for (uint64_t i = 0; i < 9; ++i) {
+        undo_change large = change_of(&c, "large", i);
+        large.bytes = (size_t)100 << 20;
+        app_add_change(r.app, &large);
+    }
     const char *why;
     while (app_can(r.app, ACTION_UNDO, &why))
         app_do(r.app, ACTION_UNDO);
@@ -334,7 +336,7 @@ int main(void)
         cmocka_unit_test(several_edits_are_one_step_and_all_or_none),
         cmocka_unit_test(steps_of_panels_lie_between_edits_of_takes),
         cmocka_unit_test(undo_stops_where_another_take_begins),
-        cmocka_unit_test(a_thousand_steps_are_undone_and_what_is_older_is_forgotten_once),
+        cmocka_unit_test(a_thousand_changes_can_be_undone_and_older_ones_are_dropped),
         cmocka_unit_test(steps_that_are_large_make_room_for_each_other),
         cmocka_unit_test(a_take_is_duplicated_and_the_copy_is_taken_back),
         cmocka_unit_test(a_copy_of_the_take_on_the_stage_takes_its_place),

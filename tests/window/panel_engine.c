@@ -92,7 +92,7 @@ static void a_kernel_is_chosen_and_taken_back(void **state)
     assert_int_equal(s.solver.kernel, CSRBF_WENDLAND_C4);
     assert_true(s.solver.radius <= 0.0); /* the rig's */
     assert_int_equal(s.step_count, 1);
-    s.step[0].undo(s.step[0].owner, s.step[0].data);
+    (void)s.step[0].set(s.step[0].owner, s.step[0].before);
     assert_int_equal(s.solver.kernel, CSRBF_WENDLAND_C2);
     stand_settle(&s);
     assert_true(stand_shows(&s, "Wendland C2"));

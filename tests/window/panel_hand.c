@@ -308,16 +308,16 @@ static void two_rounds_teach_the_mapping_and_faces_are_met(void **state)
     answer(&p, 0.0f);
     assert_true(stand_shows(s, "Round 1, face 2 of 12"));
     /* Undo asks for the same face again, redo does not. */
-    const app_step step = s->step[s->step_count - 1];
+    const undo_change step = s->step[s->step_count - 1];
     assert_string_equal(step.words, "hand pose for PP");
     const size_t size = taught_save(&s->mapping, now, sizeof now);
     assert_memory_not_equal(now, first, size);
-    step.undo(step.owner, step.data);
+    (void)step.set(step.owner, step.before);
     stand_settle(s);
     assert_int_equal(taught_save(&s->mapping, now, sizeof now), size);
     assert_memory_equal(now, first, size);
     assert_true(stand_shows(s, "Round 1, face 1 of 12"));
-    step.redo(step.owner, step.data);
+    (void)step.set(step.owner, step.after);
     stand_settle(s);
     assert_true(stand_shows(s, "Round 1, face 2 of 12"));
     for (int i = 1; i < 12; ++i)

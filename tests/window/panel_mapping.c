@@ -54,15 +54,15 @@ static double value_of(const stand *s, const char *name)
 
 static void undo(stand *s)
 {
-    const app_step *step = &s->step[--s->step_count];
-    step->undo(step->owner, step->data);
+    const undo_change *step = &s->step[--s->step_count];
+    (void)step->set(step->owner, step->before);
     stand_settle(s);
 }
 
 static void redo(stand *s)
 {
-    const app_step *step = &s->step[s->step_count++];
-    step->redo(step->owner, step->data);
+    const undo_change *step = &s->step[s->step_count++];
+    (void)step->set(step->owner, step->after);
     stand_settle(s);
 }
 

@@ -93,9 +93,9 @@ static void a_fader_is_moved_and_a_dot_is_clicked(void **state)
     assert_string_equal(c->channel, "cc.1");
     assert_string_equal(c->input, "log");
     assert_int_equal(s.step_count, 1);
-    s.step[0].undo(s.step[0].owner, s.step[0].data);
+    (void)s.step[0].set(s.step[0].owner, s.step[0].before);
     assert_int_equal(s.patch.count, 0);
-    s.step[0].redo(s.step[0].owner, s.step[0].data);
+    (void)s.step[0].set(s.step[0].owner, s.step[0].after);
     assert_int_equal(s.patch.count, 1);
     stand_close(&s);
 }
@@ -150,7 +150,7 @@ static void a_list_is_readable_and_a_connection_can_be_changed_and_deleted(void 
         stand_click(&s, "Delete");
         assert_int_equal(s.patch.count, 2);
         assert_string_equal(s.patch.connection[0].target, "mouth.corner.*");
-        s.step[1].undo(s.step[1].owner, s.step[1].data);
+        (void)s.step[1].set(s.step[1].owner, s.step[1].before);
         assert_int_equal(s.patch.count, 3);
         stand_close(&s);
     }

@@ -177,14 +177,14 @@ app_notes *app_notes_of(app *self)
     return &here->notes;
 }
 
-static void stand_forget(app_step *step)
+static void stand_forget(undo_change *step)
 {
-    if (step->forget)
-        step->forget(step->data);
-    step->forget = NULL;
+    free(step->before);
+    free(step->after);
+    step->before = step->after = NULL;
 }
 
-void app_did(app *self, const app_step *step)
+void app_add_change(app *self, const undo_change *step)
 {
     (void)self;
     assert_true(here->step_count < STAND_STEPS);
@@ -194,7 +194,7 @@ void app_did(app *self, const app_step *step)
     here->all_count = here->step_count;
 }
 
-void app_forget_steps(app *self, const void *owner)
+void app_forget_changes(app *self, const void *owner)
 {
     (void)self;
     for (uint32_t i = 0; i < here->all_count; ++i)

@@ -48,7 +48,7 @@ typedef struct stand {
     /* from afar */
     char remote[APP_REMOTE_ADDRESS];
     /* undo */
-    app_step step[STAND_STEPS];
+    undo_change step[STAND_STEPS];
     uint32_t step_count, all_count; /* all: with those that were undone */
     action done;
     /* the face */

@@ -74,7 +74,7 @@ static void a_stroke_is_painted_and_undone(void **state)
     assert_true(region != RIG_NONE);
     assert_int_equal(s.of.file.rig->region[region].select.kind, SELECT_PAINTED);
     rig_stand_picture(&s, "rig_painted");
-    s.step[0].undo(s.step[0].owner, s.step[0].data);
+    (void)s.step[0].set(s.step[0].owner, s.step[0].before);
     rig_stand_wait_for_change(&s, 2);
     assert_int_equal(find_region("painted skull"), RIG_NONE);
     rig_stand_frames(&s, 2);
@@ -215,9 +215,9 @@ static void the_axis_of_the_jaw_is_dragged_and_the_jaw_tried(void **state)
 
 static void undo_last(void)
 {
-    const app_step *step = &s.step[s.step_count - 1];
+    const undo_change *step = &s.step[s.step_count - 1];
     const uint32_t before = s.change_count;
-    step->undo(step->owner, step->data);
+    (void)step->set(step->owner, step->before);
     rig_stand_wait_for_change(&s, before + 1);
 }
 
@@ -277,7 +277,7 @@ static void a_mesh_alone_can_be_drafted(void **state)
     rig_stand_check_words(&s);
     rig_stand_click_on(&s, "Regions");
     rig_stand_picture(&s, "rig_draft_regions");
-    s.step[0].undo(s.step[0].owner, s.step[0].data);
+    (void)s.step[0].set(s.step[0].owner, s.step[0].before);
     rig_stand_wait_for_change(&s, 2);
     assert_null(s.of.file.rig);
     rig_stand_picture(&s, "rig_draft_undone");

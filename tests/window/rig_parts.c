@@ -38,9 +38,9 @@ static void fold(const char *section)
 
 static void undo_last(void)
 {
-    const app_step *step = &s.step[s.step_count - 1];
+    const undo_change *step = &s.step[s.step_count - 1];
     const uint32_t before = s.change_count;
-    step->undo(step->owner, step->data);
+    (void)step->set(step->owner, step->before);
     rig_stand_wait_for_change(&s, before + 1);
 }
 
@@ -71,10 +71,10 @@ static void a_ball_is_added_and_taken_back(void **state)
     assert_true(rig_stand_says(&s, "No region moves with this bone")); /* nobody rides on it yet */
     rig_stand_picture(&s, "rig_parts_ball");
     rig_stand_check_words(&s);
-    s.step[0].undo(s.step[0].owner, s.step[0].data);
+    (void)s.step[0].set(s.step[0].owner, s.step[0].before);
     rig_stand_frames(&s, 3);
     assert_false(rig_stand_says(&s, "Radius"));
-    s.step[0].redo(s.step[0].owner, s.step[0].data);
+    (void)s.step[0].set(s.step[0].owner, s.step[0].after);
     rig_stand_frames(&s, 3);
     assert_int_equal(s.step_count, 1);
     rig_stand_click_on(&s, "lid_lower.r"); /* the one behind it in the list is the new one */

@@ -33,18 +33,22 @@ viewport *app_viewport(app *self)
     return here->of.viewport;
 }
 
-void app_did(app *self, const app_step *step)
+void app_add_change(app *self, const undo_change *step)
 {
     (void)self;
     assert_true(here->step_count < RIG_STAND_STEPS);
     here->step[here->step_count++] = *step;
 }
 
-void app_forget_steps(app *self, const void *owner)
+void app_forget_changes(app *self, const void *owner)
 {
     (void)self;
     (void)owner;
-    here->step_count = 0; /* of a rig: nothing is to be freed */
+    for (uint32_t i = 0; i < here->step_count; ++i) {
+        free(here->step[i].before);
+        free(here->step[i].after);
+    }
+    here->step_count = 0;
 }
 
 void app_clear_pulls(app *self)

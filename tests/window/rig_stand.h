@@ -11,7 +11,7 @@ typedef struct rig_stand {
     ui_rectangle dock;
     char face_path[1024];
     char opened[1024]; /* by the panel */
-    app_step step[RIG_STAND_STEPS];
+    undo_change step[RIG_STAND_STEPS];
     uint32_t step_count;
     app_unsaved unsaved;
     bool has_unsaved;

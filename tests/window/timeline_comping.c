@@ -115,17 +115,17 @@ static void laying_another_take_elsewhere_is_undone(void **state)
     stand_drag(s, stand_x(s, 2.0), stand_y(s, 2), stand_x(s, 2.5), stand_y(s, 2));
     stand_key(s, UI_KEY_ALT, false);
     const int64_t laid_ns = timeline_comp_later_ns(s->panel, 0);
-    const app_step dragged = s->did;
+    const undo_change dragged = s->did;
     assert_int_equal(s->did_count, 1);
     assert_non_null(strstr(dragged.words, "shift take 3 to +0.5"));
     stand_double_click(s, stand_x(s, 2.0), stand_y(s, 2)); /* lays it back */
     assert_int_equal(s->did_count, 2);
     assert_int_equal(timeline_comp_later_ns(s->panel, 0), 0);
-    s->did.undo(s->did.owner, s->did.data);
+    (void)s->did.set(s->did.owner, s->did.before);
     assert_int_equal(timeline_comp_later_ns(s->panel, 0), laid_ns);
-    dragged.undo(dragged.owner, dragged.data);
+    (void)dragged.set(dragged.owner, dragged.before);
     assert_int_equal(timeline_comp_later_ns(s->panel, 0), 0);
-    dragged.redo(dragged.owner, dragged.data);
+    (void)dragged.set(dragged.owner, dragged.after);
     assert_int_equal(timeline_comp_later_ns(s->panel, 0), laid_ns);
     stand_double_click(s, stand_x(s, 2.0), stand_y(s, 2));
     stand_double_click(s, stand_x(s, 2.0), stand_y(s, 2)); /* it lies there already */

@@ -95,7 +95,7 @@ int64_t app_take_id(const app *self)
     return here->take.id;
 }
 
-void app_did(app *self, const app_step *step)
+void app_add_change(app *self, const undo_change *step)
 {
     (void)self;
     assert_true(here->did_count < STAND_STEPS);
@@ -143,13 +143,14 @@ void app_set_lead_in(app *self, app_lead_in to)
     (void)to;
 }
 
-void app_forget_steps(app *self, const void *owner)
+void app_forget_changes(app *self, const void *owner)
 {
     (void)self;
     (void)owner;
-    for (uint32_t i = 0; i < here->did_count; ++i)
-        if (here->step[i].forget)
-            here->step[i].forget(here->step[i].data);
+    for (uint32_t i = 0; i < here->did_count; ++i) {
+        free(here->step[i].before);
+        free(here->step[i].after);
+    }
     here->did_count = 0;
 }
 

@@ -18,8 +18,8 @@ typedef struct stand {
     char edited[STAND_EDITS][160];   /* "clip.trim", in the order in which they were made */
     edit last;                       /* without what it owns */
     uint32_t edit_count, step_count; /* steps: of undo */
-    app_step did;                    /* the last step that is the panel's own */
-    app_step step[STAND_STEPS];      /* all of them */
+    undo_change did;                 /* the last step that is the panel's own */
+    undo_change step[STAND_STEPS];   /* all of them */
     uint32_t did_count;
     error refused;           /* of the last edit that was not possible */
     int64_t duplicated;      /* the last take that was */

@@ -12,6 +12,7 @@
 #include "window/app/presets.h"
 #include "window/app/settings.h"
 #include "window/app/input_opener.h"
+#include "window/app/undo.h"
 #include "window/gui/theme.h"
 
 #include <stdlib.h>
@@ -231,51 +232,35 @@ void app_seek(app *self, int64_t at_ns);
 void app_set_range(app *self, int64_t in_ns, int64_t out_ns); /* in >= out: none */
 uint64_t app_take_edition(const app *self);                   /* grows with each change of it */
 
-/* ---- its edits, and undo of whatever is done in the window ---- */
+/* ---- its edits, and undo of all changes in the window (undo.h) ---- */
 
-/* Chooses the copy, and puts it on the stage if the original was there; one step of undo. */
+/* Selects the copy, and puts it on the stage if the original was there. One undo step. */
 CHECKED mrt_result app_duplicate_take(app *self, int64_t id);
 /* Edits of the selected take; NULL: none is selected. Valid until the next edit. */
 const history *app_history(const app *self);
 /* Undoes or redoes until edit `head` is the last applied one; 0: the unedited recording. */
 CHECKED mrt_result app_history_go(app *self, int64_t head);
-/* Several edits that are one step of undo. */
+/* Several edits make one undo step. */
 CHECKED mrt_result app_edit(app *self, const edit *e);
 CHECKED mrt_result app_edit_all(app *self, const edit *const *e, uint32_t count);
-/* Another take than the chosen one (rating, name in the list). */
+/* Edits a take that may not be the selected one (rating, name in the list). */
 CHECKED mrt_result app_edit_take(app *self, int64_t id, const edit *e);
 
 /* Describes the next undo or redo, "trim 'mouth' ..."; "": none. */
 const char *app_undo_words(const app *self);
 const char *app_redo_words(const app *self);
-/* A step of undo that is not an edit of a take: a parameter, a rig. The owner must stay valid until
- * app_forget_steps(owner). */
-typedef struct app_step {
-    void *owner;
-    char words[EDIT_TEXT];
-    void (*undo)(void *owner, void *data);
-    void (*redo)(void *owner, void *data);
-    void *data; /* what the two need to know; its size, about: */
-    size_t bytes;
-    void (*forget)(void *data); /* frees the data; NULL: nothing to free */
-} app_step;
-/* Takes step->data over, and forgets it when the step can be neither undone nor redone any more:
- * another one is done after it was undone, or APP_UNDO_MAX steps or APP_UNDO_BYTES after it. */
-void app_did(app *self, const app_step *step);
-/* The same with a copy of the data, which undo and redo get. Without memory for it the step cannot
- * be undone. */
-static inline void app_did_with(app *self, app_step *step, const void *data, size_t bytes)
+/* Adds a change that is not an edit of a take: a parameter, a rig. Takes ownership of its values.
+ */
+void app_add_change(app *self, const undo_change *change);
+/* The same with copies of both values. Without memory for them the change cannot be undone. */
+static inline void app_add_copied_change(app *self, undo_change *change, const void *before,
+                                         const void *after, size_t size)
 {
-    step->data = malloc(bytes);
-    step->bytes = bytes;
-    step->forget = free;
-    if (!step->data)
-        return;
-    memcpy(step->data, data, bytes);
-    app_did(self, step);
+    if (undo_change_copy(change, before, after, size))
+        app_add_change(self, change);
 }
-size_t app_undo_bytes(const app *self); /* of all steps that are kept */
-void app_forget_steps(app *self, const void *owner);
+void app_forget_changes(app *self, const void *owner);
+size_t app_undo_bytes(const app *self); /* memory of all undo steps */
 
 /* ---- recording ---- */
 

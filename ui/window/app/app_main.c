@@ -313,6 +313,11 @@ mrt_result app_create(app **out, const app_options *options, error *err)
     app *self = calloc(1, sizeof *self);
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
+    self->undo = undo_list_create();
+    if (!self->undo) {
+        free(self);
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
+    }
     self->view = &nothing_yet;
     self->choice.marker = -1;
     self->sound = options->sound;
@@ -373,6 +378,7 @@ mrt_result app_destroy(app *self)
     free(self->face_path);
     free(self->line);
     free(self->key);
+    undo_list_destroy(self->undo);
     settings_close(self->settings);
     news_list_destroy(self->news);
     log_queue_destroy(self->log);
@@ -641,81 +647,83 @@ exporter *app_exporter(const app *self)
     return self->exports;
 }
 
-/* ---- what the pointer left on the live face, as steps of undo: a pull with Shift, clay, and what
- * cleared them; their owner is the application ---- */
+/* ---- pulls that stay on the live face, as undo steps: a pull with Shift, clay, releasing them
+ * ---- */
 
-static void finish_pulled(app_pulled *one)
+/* Returns the current pulls, which the caller frees. NULL: an error, which is reported. */
+static app_pulled *save_pulled(app *self)
 {
-    free(one->bytes);
-    *one = (app_pulled){.is_held = false};
+    error err = {0};
+    void *bytes = NULL;
+    size_t size = 0;
+    mrt_result result = live_save_pulled(self->live, &bytes, &size, &err);
+    app_pulled *out = result >= 0 ? malloc(sizeof *out + size) : NULL;
+    if (result >= 0 && !out)
+        result = error_set(&err, MRT_ERR_MEMORY, "no memory for undo");
+    if (out) {
+        *out = (app_pulled){.size = size, .is_held = self->is_held};
+        memcpy(out->bytes, bytes, size);
+    }
+    free(bytes);
+    app_reported(app_report(self, result, &err));
+    return out;
 }
 
-static void forget_pulled(void *data)
-{
-    finish_pulled(data);
-    free(data);
-}
-
-/* To the other side of a step; back is the same. */
-static void cross_pull(void *owner, void *data)
+static mrt_result set_pulled(void *owner, const void *value)
 {
     app *self = owner;
-    app_pulled *there = data;
+    const app_pulled *to = value;
     error err = {0};
-    app_pulled here = {.is_held = self->is_held};
-    mrt_result result = live_save_pulled(self->live, &here.bytes, &here.size, &err);
+    if (!to)
+        return MRT_ERR_MEMORY; /* reported when it could not be saved */
+    mrt_result result = live_load_pulled(self->live, to->bytes, to->size, &err);
     if (result >= 0)
-        result = live_load_pulled(self->live, there->bytes, there->size, &err);
-    if (app_report(self, result, &err) < 0) {
-        finish_pulled(&here);
-        return;
-    }
-    self->is_held = there->is_held;
-    finish_pulled(there);
-    *there = here;
+        self->is_held = to->is_held;
+    return app_report(self, result, &err);
+}
+
+void app_save_pulled(app *self, undo_change *of)
+{
+    if (of->set == set_pulled)
+        of->after = save_pulled(self);
 }
 
 static void begin_pull(app *self)
 {
-    error err = {0};
-    finish_pulled(&self->begun);
-    self->begun.is_held = self->is_held;
-    if (live_save_pulled(self->live, &self->begun.bytes, &self->begun.size, &err) < 0)
-        app_say(self, MRT_LOG_WARNING, "%s", err.text);
+    free(self->begun);
+    self->begun = save_pulled(self);
 }
 
-static void did_pull(app *self, const char *words)
+/* The value after is saved when it is needed, by undo: saving waits for the frame thread. */
+static void end_pull(app *self, const char *words)
 {
-    app_pulled *made = self->begun.bytes ? malloc(sizeof *made) : NULL;
-    if (!made)
+    app_pulled *before = self->begun;
+    self->begun = NULL;
+    if (!before)
         return;
-    *made = self->begun;
-    self->begun = (app_pulled){.is_held = false};
-    app_step step = {.owner = self,
-                     .undo = cross_pull,
-                     .redo = cross_pull,
-                     .data = made,
-                     .bytes = sizeof *made + made->size,
-                     .forget = forget_pulled};
-    (void)snprintf(step.words, sizeof step.words, "%s", words);
-    app_did(self, &step);
+    undo_change made = {.owner = self,
+                        .set = set_pulled,
+                        .before = before,
+                        .bytes = 2 * (sizeof *before + before->size)};
+    (void)snprintf(made.words, sizeof made.words, "%s", words);
+    undo_list_add(self->undo, &made);
 }
 
-/* Neutral. */
 static void clear_pulls(app *self)
 {
     if (self->is_held)
         begin_pull(self);
     live_neutral(self->live);
     if (self->is_held)
-        did_pull(self, "release all held pulls");
+        end_pull(self, "release all held pulls");
     self->is_held = false;
 }
 
 void app_forget_pulls(app *self)
 {
-    app_forget_steps(self, self);
-    finish_pulled(&self->begun);
+    app_forget_pulled(self);
+    free(self->begun);
+    self->begun = NULL;
     self->is_held = false;
 }
 
@@ -737,7 +745,7 @@ void app_begin_pull(app *self)
 
 void app_hold(app *self, const char *words)
 {
-    did_pull(self, words);
+    end_pull(self, words);
     self->is_held = true;
 }
 

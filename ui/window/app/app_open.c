@@ -309,7 +309,7 @@ mrt_result app_open_show(app *self, const char *path)
     app_drop_audio(self);
     app_record_finish_over(self);
     app_drop_take(self);
-    app_forget_steps(self, NULL);
+    app_forget_takes(self);
     self->awaited = 0;
     result = live_set_show(self->live, opened, &err);
     if (result < 0) { /* back to the one before */

@@ -13,22 +13,13 @@
 #include "stage/playback/kept_solver.h"
 #include "show/edit_store.h"
 
-enum { APP_UNDO_MAX = 1024, APP_UNDO_BYTES = 512 << 20, APP_PATH = 4096 };
+enum { APP_PATH = 4096 };
 
-/* A step of undo: some edits of a take, or an app_step of another owner. */
-typedef struct app_done {
-    app_step step; /* of a take: its words alone */
-    int64_t take;  /* 0: a step of another owner */
-    int64_t head_before, head_after;
-    int64_t chosen_take; /* the selected take at that time */
-    int64_t copied_from; /* the take is a copy of it, which this step has made; 0: it is none */
-} app_done;
-
-/* The face that undoing a pull restores; once undone, the one that redoing it restores. */
+/* Pulls of the live face before or after a change. */
 typedef struct app_pulled {
-    void *bytes; /* NULL: no pulls, or too many to keep */
-    size_t size;
+    size_t size; /* 0: the face has no pulls */
     bool is_held;
+    unsigned char bytes[];
 } app_pulled;
 
 /* The state of a take for which its line was made; the line is made again when it differs. */
@@ -88,12 +79,10 @@ struct app {
     double awaited_s;
     int64_t noted; /* the take of which tell_note has told how it differs */
 
-    /* ---- undo: done[0..done_count) can be taken back, those up to all_count done again ---- */
-    app_done done[APP_UNDO_MAX];
-    uint32_t done_count, all_count;
-    size_t done_bytes;       /* of all of them */
-    bool is_rig_shown;       /* in the dock, at the last update */
-    uint32_t rig_done_count; /* done_count as it came there */
+    /* ---- undo ---- */
+    undo_list *undo;
+    bool is_rig_shown;   /* the dock showed the rig panel at the last update */
+    uint64_t rig_number; /* undo_change.number of the newest change when it was opened */
 
     /* ---- recording and playing ---- */
     int64_t leads_in_until_ns; /* clock; 0: none */
@@ -108,9 +97,9 @@ struct app {
     app_looks looks;
     bool asked[ACTION_COUNT];
     bool wants_to_quit, has_hand_keys, keeps_settings;
-    app_pulled begun; /* before the pull that goes on */
-    bool is_held;     /* something that the pointer pulled is still there */
-    int64_t ranged;   /* the take for which the range of the last run has been restored */
+    app_pulled *begun; /* pulls before the current drag; NULL: none */
+    bool is_held;      /* something that the pointer pulled is still there */
+    int64_t ranged;    /* the take for which the range of the last run has been restored */
     struct viewport *viewport;
     app_unsaved unsaved;
     bool has_unsaved;
@@ -140,8 +129,10 @@ static inline void app_reported(mrt_result result)
     (void)result;
 }
 
-/* On another face: drops the undo steps of pulls. */
+/* For another face: releases all pulls, and drops their undo steps. */
 void app_forget_pulls(app *self);
+/* Saves the current pulls as the value after, if the change is a pull. */
+void app_save_pulled(app *self, undo_change *of);
 
 /* ---- app_open.c ---- */
 
@@ -167,6 +158,8 @@ void app_keep_range(app *self); /* of the take on the stage, in the settings */
 void app_drop_take(app *self);  /* none is chosen */
 CHECKED mrt_result app_undo(app *self);
 CHECKED mrt_result app_redo(app *self);
+void app_forget_takes(app *self);  /* drops the undo steps of all takes: another show is opened */
+void app_forget_pulled(app *self); /* drops those of pulls */
 /* Once a frame, before anything is undone. */
 void app_undo_update(app *self);
 const char *app_undo_why_not(const app *self); /* NULL: it can be undone */

@@ -395,157 +395,155 @@ void app_takes_update(app *self, double dt_s)
         follow_recording(self);
 }
 
-/* ---- undo: edits of takes, which are kept in the show, and the steps of panels ---- */
+/* ---- undo: edits of takes, which are stored in the show, and the changes of panels ---- */
 
-static void drop(app *self, uint32_t index)
-{
-    const app_step *step = &self->done[index].step;
-    self->done_bytes -= step->bytes;
-    if (step->forget)
-        step->forget(step->data);
-    memmove(&self->done[index], &self->done[index + 1],
-            (self->all_count - index - 1) * sizeof self->done[0]);
-    self->all_count -= 1;
-    if (index < self->done_count)
-        self->done_count -= 1;
-    if (index < self->rig_done_count)
-        self->rig_done_count -= 1;
-}
+/* The value of a change of a take. */
+typedef struct take_value {
+    int64_t take;
+    int64_t head;        /* position in its history */
+    int64_t selected;    /* the selected take when it was edited */
+    int64_t copied_from; /* the change created the take as a copy of this one; 0: it did not */
+} take_value;
 
-static void put(app *self, const app_done *step)
+static mrt_result set_take(void *owner, const void *value);
+
+/* Returns the value if the change is one of a take, else NULL. Both values differ in `head` only.
+ */
+static const take_value *take_of(const undo_change *of)
 {
-    while (self->all_count > self->done_count)
-        drop(self, self->all_count - 1);
-    if (self->rig_done_count > self->done_count)
-        self->rig_done_count = self->done_count;
-    while (self->done_count == APP_UNDO_MAX ||
-           (self->done_count > 0 && self->done_bytes + step->step.bytes > APP_UNDO_BYTES))
-        drop(self, 0);
-    self->done[self->done_count++] = *step;
-    self->all_count = self->done_count;
-    self->done_bytes += step->step.bytes;
+    return of && of->set == set_take ? of->after : NULL;
 }
 
 size_t app_undo_bytes(const app *self)
 {
-    return self->done_bytes;
+    return undo_list_bytes(self->undo);
 }
 
-/* ---- steps of takes ---- */
-
-/* A new edit after an undo discards the edits that were undone: drops the steps that lead to them.
- */
-static void forget_abandoned(app *self, int64_t id, int64_t head)
+static bool is_of_take(const undo_change *of, const void *data)
 {
-    for (uint32_t i = self->all_count; i > 0; --i) {
-        const app_done *step = &self->done[i - 1];
-        if (step->take == id && (step->head_before > head || step->head_after > head))
-            drop(self, i - 1);
-    }
+    (void)data;
+    return of->set == set_take;
 }
 
-static app_done step_of(const app *self, int64_t before, int64_t after)
+void app_forget_takes(app *self)
 {
-    app_done out = {.take = self->chosen,
-                    .head_before = before,
-                    .head_after = after,
-                    .chosen_take = self->chosen};
-    const int64_t told = after > before ? after : before;
-    (void)snprintf(out.step.words, sizeof out.step.words, "%s", history_words(self->history, told));
-    return out;
+    undo_list_forget_if(self->undo, self, is_of_take, NULL);
 }
 
-static void note_edits(app *self, int64_t head_before)
+static bool is_pull(const undo_change *of, const void *data)
+{
+    (void)data;
+    return of->set != set_take;
+}
+
+void app_forget_pulled(app *self)
+{
+    undo_list_forget_if(self->undo, self, is_pull, NULL);
+}
+
+void app_add_change(app *self, const undo_change *change)
+{
+    undo_list_add(self->undo, change);
+}
+
+void app_forget_changes(app *self, const void *owner)
+{
+    undo_list_forget(self->undo, owner);
+}
+
+/* ---- changes of takes ---- */
+
+/* An edit after an undo discards the edits that were undone. */
+static bool is_abandoned(const undo_change *of, const void *data)
+{
+    const take_value *head = data, *before = of->before, *after = take_of(of);
+    return after && after->take == head->take &&
+           (before->head > head->head || after->head > head->head);
+}
+
+/* Describes the change of the selected take from one position in its history to another. Returns
+ * false without memory: it cannot be undone by this list, only by the history of the take. */
+static bool change_of(const app *self, int64_t before, int64_t after, int64_t copied_from,
+                      const char *words, undo_change *out)
+{
+    const take_value value[2] = {{self->chosen, before, self->chosen, copied_from},
+                                 {self->chosen, after, self->chosen, copied_from}};
+    *out = (undo_change){.owner = (void *)(uintptr_t)self, .set = set_take};
+    (void)snprintf(out->words, sizeof out->words, "%s", words);
+    return undo_change_copy(out, &value[0], &value[1], sizeof value[0]);
+}
+
+static const char *words_between(const app *self, int64_t before, int64_t after)
+{
+    return history_words(self->history, after > before ? after : before);
+}
+
+/* `words` NULL: those of the last edit. */
+static void note_edits(app *self, int64_t head_before, const char *words)
 {
     const int64_t head = history_head(self->history);
-    const app_done step = step_of(self, head_before, head);
+    const take_value abandoned = {.take = self->chosen, .head = head_before};
+    undo_change made;
     if (head > head_before)
-        forget_abandoned(self, self->chosen, head_before);
-    put(self, &step);
+        undo_list_forget_if(self->undo, self, is_abandoned, &abandoned);
+    if (change_of(self, head_before, head, 0,
+                  words ? words : words_between(self, head_before, head), &made))
+        undo_list_add(self->undo, &made);
 }
 
-/* Renames the newest step. */
-static void name_last_step(app *self, const char *words)
+/* The change belongs to a take that is not the selected one: the user would not see its effect. */
+static bool is_elsewhere(const app *self, const undo_change *of)
 {
-    app_done *last = self->done_count ? &self->done[self->done_count - 1] : NULL;
-    if (last)
-        (void)snprintf(last->step.words, sizeof last->step.words, "%s", words);
+    const take_value *value = take_of(of);
+    return value && self->chosen && value->take != self->chosen &&
+           value->selected != self->chosen && value->copied_from != self->chosen;
 }
 
-/* Adds the step that made the chosen take, as a copy of take `of`. */
-static void note_copy(app *self, int64_t of, const char *words)
+/* Shows the take of a change that is elsewhere, and changes nothing: the next undo or redo does. */
+static mrt_result show_take_of(app *self, const undo_change *of, const char *what)
 {
-    app_done step = {
-        .take = self->chosen, .head_after = 1, .chosen_take = self->chosen, .copied_from = of};
-    (void)snprintf(step.step.words, sizeof step.step.words, "%s", words);
-    put(self, &step);
-}
-
-/* The step belongs to a take that is not the chosen one, so that nobody would see what it changes.
- */
-static bool is_elsewhere(const app *self, const app_done *step)
-{
-    return step->take && self->chosen && step->take != self->chosen &&
-           step->chosen_take != self->chosen && step->copied_from != self->chosen;
-}
-
-/* Shows the take of a step that is elsewhere, and changes nothing yet: the next undo or redo does.
- */
-static mrt_result show_take_of(app *self, const app_done *step, const char *what)
-{
-    mrt_result result = app_choose_take(self, step->take);
-    const app_take_line *line = line_of(self, step->take);
+    char words[EDIT_TEXT];
+    const int64_t id = take_of(of)->take;
+    (void)snprintf(words, sizeof words, "%s", of->words);
+    mrt_result result = app_choose_take(self, id);
+    const app_take_line *line = line_of(self, id);
     if (result >= 0)
         app_say(self, MRT_LOG_INFO, "take %s is shown again. Press once more to %s %s",
-                line ? line->title : "", what, step->step.words);
+                line ? line->title : "", what, words);
     return result;
 }
 
-/* Brings the step's take to an edit; it is chosen then. */
-static mrt_result go(app *self, const app_done *step, int64_t head)
+/* Selects the take and sets the position in its history. The copy that a change created has no
+ * edits when the change is undone: its original is selected then. */
+static mrt_result set_take(void *owner, const void *of)
 {
+    app *self = owner;
+    const take_value value = *(const take_value *)of;
     error err = {0};
     mrt_result result = MRT_OK;
-    if (step->take != self->chosen)
-        result = app_choose_take(self, step->take);
+    if (value.take != self->chosen)
+        result = app_choose_take(self, value.take);
     if (result < 0)
         return result;
-    result = history_go(self->history, head, &err);
+    result = history_go(self->history, value.head, &err);
     take_changed(self);
-    if (result >= 0 && step->copied_from && head == step->head_before)
-        result = app_select_take(self, step->copied_from);
+    if (result >= 0 && value.copied_from && value.head == 0)
+        result = app_select_take(self, value.copied_from);
     return app_report(self, result, &err);
 }
 
-/* ---- steps of others ---- */
+/* ---- undo and redo ---- */
 
-void app_did(app *self, const app_step *step)
-{
-    const app_done one = {.step = *step};
-    put(self, &one);
-}
-
-void app_forget_steps(app *self, const void *owner)
-{
-    for (uint32_t i = self->all_count; i > 0; --i) {
-        const app_done *step = &self->done[i - 1];
-        if (owner ? step->take == 0 && step->step.owner == owner : step->take != 0)
-            drop(self, i - 1);
-    }
-}
-
-/* ---- back and forth ---- */
-
-/* Of the chosen take, made before this run. */
+/* The selected take has edits that were made before this run. */
 static bool has_older(const app *self)
 {
-    return self->done_count == 0 && self->history && history_head(self->history) > 0 &&
+    return !undo_list_next(self->undo) && self->history && history_head(self->history) > 0 &&
            show_is_writable(self->show);
 }
 
 static bool has_newer(const app *self)
 {
-    return self->done_count == self->all_count && self->history &&
+    return !undo_list_next_redo(self->undo) && self->history &&
            history_head(self->history) < history_last(self->history) &&
            show_is_writable(self->show);
 }
@@ -553,24 +551,25 @@ static bool has_newer(const app *self)
 void app_undo_update(app *self)
 {
     const bool is_shown = self->looks.panel == APP_RIG;
+    const undo_change *newest = undo_list_next(self->undo);
     if (is_shown && !self->is_rig_shown)
-        self->rig_done_count = self->done_count;
+        self->rig_number = newest ? newest->number : 0;
     self->is_rig_shown = is_shown;
 }
 
-/* While the rig panel is open undo stops at steps of takes that were made before it was opened: who
- * works on the rig does not look at them. */
+/* While the rig panel is open, undo stops at edits of takes that were made before it was opened:
+ * the user works on the rig and does not see takes. */
 static bool is_behind_rig(const app *self)
 {
-    const uint32_t floor = self->is_rig_shown ? self->rig_done_count : self->done_count;
-    return self->looks.panel == APP_RIG && self->done_count <= floor &&
-           (self->done_count == 0 || self->done[self->done_count - 1].take != 0);
+    const undo_change *newest = undo_list_next(self->undo);
+    return self->looks.panel == APP_RIG && (!newest || take_of(newest)) &&
+           (!self->is_rig_shown || !newest || newest->number <= self->rig_number);
 }
 
 /* Why a pull of the live face cannot be undone now: a take is shown, or one is being recorded. */
-static const char *why_not_pulled(const app *self, const app_done *step)
+static const char *why_not_pulled(const app *self, const undo_change *of)
 {
-    if (step->take || step->step.owner != self)
+    if (!of || of->owner != self || take_of(of))
         return NULL;
     if (self->notes.is_rig_pending)
         return "the next step is a pull. Wait until the rig is ready";
@@ -583,10 +582,10 @@ static const char *why_not_pulled(const app *self, const app_done *step)
 
 const char *app_undo_why_not(const app *self)
 {
-    if (self->done_count == 0 && !has_older(self))
+    const undo_change *next = undo_list_next(self->undo);
+    if (!next && !has_older(self))
         return "nothing to undo";
-    const char *why =
-        self->done_count > 0 ? why_not_pulled(self, &self->done[self->done_count - 1]) : NULL;
+    const char *why = why_not_pulled(self, next);
     if (why)
         return why;
     return is_behind_rig(self)
@@ -596,93 +595,79 @@ const char *app_undo_why_not(const app *self)
 
 bool app_can_redo(const app *self)
 {
-    return self->done_count < self->all_count ? !why_not_pulled(self, &self->done[self->done_count])
-                                              : has_newer(self);
+    const undo_change *next = undo_list_next_redo(self->undo);
+    return next ? !why_not_pulled(self, next) : has_newer(self);
 }
 
-/* As if it had been done in this run. */
-static mrt_result undo_older(app *self)
+/* Sets a position in the history of the selected take, one edit before or after the current one,
+ * as a change that this run did not make. */
+static mrt_result go_in_history(app *self, int64_t before, int64_t after, int64_t to,
+                                void add(undo_list *self, const undo_change *change))
 {
-    const int64_t head = history_head(self->history);
-    const app_done step = step_of(self, head - 1, head);
-    mrt_result result = go(self, &step, head - 1);
-    if (result < 0)
-        return result;
-    if (self->all_count == APP_UNDO_MAX)
-        drop(self, self->all_count - 1);
-    memmove(&self->done[1], &self->done[0], self->all_count * sizeof self->done[0]);
-    self->done[0] = step;
-    self->all_count += 1;
-    return MRT_OK;
-}
-
-static mrt_result undo_newest(app *self)
-{
-    const app_done step = self->done[self->done_count - 1];
-    self->done_count -= 1;
-    if (step.take)
-        return go(self, &step, step.head_before);
-    step.step.undo(step.step.owner, step.step.data);
-    return MRT_OK;
+    undo_change made;
+    error err = {0};
+    if (!change_of(self, before, after, 0, words_between(self, before, after), &made))
+        return app_report(self, error_set(&err, MRT_ERR_MEMORY, "no memory for undo"), &err);
+    mrt_result result = set_take(self, to == before ? made.before : made.after);
+    if (result >= 0) {
+        add(self->undo, &made);
+    } else {
+        free(made.before);
+        free(made.after);
+    }
+    return result;
 }
 
 mrt_result app_undo(app *self)
 {
     char words[EDIT_TEXT];
+    undo_change *next = undo_list_next(self->undo);
     if (app_undo_why_not(self))
         return MRT_END;
-    if (self->done_count > 0 && is_elsewhere(self, &self->done[self->done_count - 1]))
-        return show_take_of(self, &self->done[self->done_count - 1], "undo");
+    if (is_elsewhere(self, next))
+        return show_take_of(self, next, "undo");
     (void)snprintf(words, sizeof words, "%s", app_undo_words(self));
-    const mrt_result result = has_older(self) ? undo_older(self) : undo_newest(self);
+    const int64_t head = self->history ? history_head(self->history) : 0;
+    if (next && !next->after)
+        app_save_pulled(self, next);
+    const mrt_result result =
+        next ? undo_list_undo(self->undo)
+             : go_in_history(self, head - 1, head, head - 1, undo_list_add_undone);
     if (result >= 0)
         app_say(self, MRT_LOG_INFO, "undone: %s", words);
     return result;
 }
 
-static mrt_result redo(app *self)
-{
-    if (has_newer(self)) {
-        const int64_t head = history_head(self->history);
-        const app_done step = step_of(self, head, head + 1);
-        mrt_result result = go(self, &step, head + 1);
-        if (result >= 0)
-            put(self, &step);
-        return result;
-    }
-    if (self->done_count == self->all_count)
-        return MRT_END;
-    const app_done step = self->done[self->done_count];
-    self->done_count += 1;
-    if (step.take)
-        return go(self, &step, step.head_after);
-    step.step.redo(step.step.owner, step.step.data);
-    return MRT_OK;
-}
-
 mrt_result app_redo(app *self)
 {
     char words[EDIT_TEXT];
-    if (self->done_count < self->all_count && is_elsewhere(self, &self->done[self->done_count]))
-        return show_take_of(self, &self->done[self->done_count], "redo");
+    const undo_change *next = undo_list_next_redo(self->undo);
+    if (!next && !has_newer(self))
+        return MRT_END;
+    if (is_elsewhere(self, next))
+        return show_take_of(self, next, "redo");
     (void)snprintf(words, sizeof words, "%s", app_redo_words(self));
-    const mrt_result result = redo(self);
-    if (result == MRT_OK)
+    const int64_t head = self->history ? history_head(self->history) : 0;
+    const mrt_result result = next ? undo_list_redo(self->undo)
+                                   : go_in_history(self, head, head + 1, head + 1, undo_list_add);
+    if (result >= 0)
         app_say(self, MRT_LOG_INFO, "redone: %s", words);
     return result;
 }
 
 const char *app_undo_words(const app *self)
 {
-    if (self->done_count > 0)
-        return self->done[self->done_count - 1].step.words;
+    const undo_change *next = undo_list_next(self->undo);
+    if (next)
+        return next->words;
     return has_older(self) ? history_words(self->history, history_head(self->history)) : "";
 }
 
 const char *app_redo_words(const app *self)
 {
-    if (self->done_count < self->all_count)
-        return self->done[self->done_count].step.words;
+    const undo_change *next = undo_list_next_redo(self->undo);
+    if (next)
+        return next->words;
     return has_newer(self) ? history_words(self->history, history_head(self->history) + 1) : "";
 }
 
@@ -702,8 +687,8 @@ static mrt_result check_editable(const app *self, error *err)
     return MRT_OK;
 }
 
-/* All or none. */
-mrt_result app_edit_all(app *self, const edit *const *e, uint32_t count)
+/* Makes all edits or none, as one undo step. `words` NULL: those of the last edit. */
+static mrt_result edit_all(app *self, const edit *const *e, uint32_t count, const char *words)
 {
     error err = {0}, ignored = {0};
     mrt_result result = check_editable(self, &err);
@@ -715,9 +700,14 @@ mrt_result app_edit_all(app *self, const edit *const *e, uint32_t count)
     if (result < 0 && history_go(self->history, before, &ignored) < 0)
         app_say(self, MRT_LOG_ERROR, "%s", ignored.text);
     if (result >= 0)
-        note_edits(self, before);
+        note_edits(self, before, words);
     take_changed(self);
     return app_report(self, result, &err);
+}
+
+mrt_result app_edit_all(app *self, const edit *const *e, uint32_t count)
+{
+    return edit_all(self, e, count, NULL);
 }
 
 mrt_result app_edit(app *self, const edit *e)
@@ -734,7 +724,7 @@ mrt_result app_history_go(app *self, int64_t head)
     const int64_t before = history_head(self->history);
     result = history_go(self->history, head, &err);
     if (result >= 0 && head != before)
-        note_edits(self, before);
+        note_edits(self, before, NULL);
     take_changed(self);
     return app_report(self, result, &err);
 }
@@ -748,8 +738,9 @@ mrt_result app_edit_take(app *self, int64_t id, const edit *e)
     mrt_result result = app_pick_take(self, id);
     if (result >= 0)
         result = app_edit(self, e);
-    if (result >= 0 && self->done_count > 0)
-        self->done[self->done_count - 1].chosen_take = before;
+    const undo_change *made = undo_list_next(self->undo);
+    if (result >= 0 && take_of(made))
+        ((take_value *)made->before)->selected = ((take_value *)made->after)->selected = before;
     if (app_pick_take(self, before) >= 0)
         self->choice = choice;
     return result;
@@ -769,8 +760,9 @@ mrt_result app_duplicate_take(app *self, int64_t id)
         return app_report(self, result, &err);
     self->takes_are_stale = true;
     result = app_select_take(self, copy);
-    if (result >= 0)
-        note_copy(self, id, words);
+    undo_change made;
+    if (result >= 0 && change_of(self, 0, 1, id, words, &made))
+        undo_list_add(self->undo, &made);
     return result;
 }
 
@@ -956,8 +948,8 @@ static void take_over(app *self)
         list[i] = &edits[i];
     if (!list)
         app_say(self, MRT_LOG_ERROR, "no memory: the performance was saved as a separate take");
-    else if (app_pick_take(self, over) >= 0 && app_edit_all(self, list, count) >= 0)
-        name_last_step(self, "record over the take");
+    else if (app_pick_take(self, over) >= 0)
+        app_reported(edit_all(self, list, count, "record over the take"));
     for (uint32_t i = 0; i < count; ++i)
         edit_finish(&edits[i]);
     free(edits);

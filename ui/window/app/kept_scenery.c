@@ -55,24 +55,21 @@ static void write_scene(kept_scenery *self)
         news_list_add(app_news(self->of), MRT_LOG_ERROR, "scene", err.text);
 }
 
-/* To the other side of a step; back is the same. */
-static void cross(void *owner, void *data)
+static mrt_result set(void *owner, const void *value)
 {
     kept_scenery *self = owner;
-    scenery *there = data;
-    const scenery here = self->kept;
-    self->now = *there;
-    *there = here;
+    self->now = *(const scenery *)value;
     write_scene(self);
+    return MRT_OK;
 }
 
 void kept_scenery_keep(kept_scenery *self)
 {
     if (memcmp(&self->now, &self->kept, sizeof self->now) == 0)
         return;
-    app_step step = {.owner = self, .undo = cross, .redo = cross};
-    (void)snprintf(step.words, sizeof step.words, "%s", words_of(&self->now, &self->kept));
-    app_did_with(self->of, &step, &self->kept, sizeof self->kept);
+    undo_change made = {.owner = self, .set = set};
+    (void)snprintf(made.words, sizeof made.words, "%s", words_of(&self->now, &self->kept));
+    app_add_copied_change(self->of, &made, &self->kept, &self->now, sizeof self->now);
     write_scene(self);
 }
 
@@ -244,7 +241,7 @@ void kept_scenery_read(kept_scenery *self)
     show *from = app_show(self->of);
     error err = {""};
     end_thread(self);
-    app_forget_steps(self->of, self);
+    app_forget_changes(self->of, self);
     drop_picture(self);
     self->tried[0] = '\0';
     mrt_result result = scenery_read(&self->now, from, &err);
@@ -280,7 +277,7 @@ void kept_scenery_destroy(kept_scenery *self)
 {
     if (!self)
         return;
-    app_forget_steps(self->of, self);
+    app_forget_changes(self->of, self);
     end_thread(self);
     scenery_picture_finish(&self->picture);
     free(self);

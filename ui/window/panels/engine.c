@@ -148,10 +148,6 @@ static const char *const phase_help[LIVE_PHASES] = {
     "Time for hands, mapping and guard.", "Time for bones and control vectors.",
     "Time for vertices, skull and normals.", "Time to hand the face to the window."};
 
-typedef struct solver_step {
-    kept_solver before, after;
-} solver_step;
-
 struct panel {
     app *app;
     csrbf_settings wanted; /* of this frame; radius 0: use the radius of the rig */
@@ -176,14 +172,10 @@ static kept_solver choice_now(const panel *self)
     return own ? (kept_solver){true, *own} : (kept_solver){.is_kept = false};
 }
 
-static void undo(void *owner, void *data)
+static mrt_result set(void *owner, const void *value)
 {
-    (void)set_solver(owner, &((const solver_step *)data)->before);
-}
-
-static void redo(void *owner, void *data)
-{
-    (void)set_solver(owner, &((const solver_step *)data)->after);
+    (void)set_solver(owner, value); /* shows the error in the panel */
+    return MRT_OK;
 }
 
 static void choose(panel *self, const csrbf_settings *solver, const char *words)
@@ -191,10 +183,9 @@ static void choose(panel *self, const csrbf_settings *solver, const char *words)
     const kept_solver before = choice_now(self), after = {true, *solver};
     if (!set_solver(self, &after))
         return;
-    const solver_step made = {before, after};
-    app_step step = {.owner = self, .undo = undo, .redo = redo};
-    (void)snprintf(step.words, sizeof step.words, "engine: %.120s", words);
-    app_did_with(self->app, &step, &made, sizeof made);
+    undo_change made = {.owner = self, .set = set};
+    (void)snprintf(made.words, sizeof made.words, "engine: %.120s", words);
+    app_add_copied_change(self->app, &made, &before, &after, sizeof after);
 }
 
 static void draw_radius(panel *self, ui *on, const live_view *view)
@@ -420,7 +411,7 @@ static void destroy(panel *self)
 {
     if (!self)
         return;
-    app_forget_steps(self->app, self);
+    app_forget_changes(self->app, self);
     free(self);
 }
 

@@ -280,37 +280,31 @@ static void follow_goal(panel *self, double dt_s)
 
 /* ---- lessons: undo steps ---- */
 
-typedef struct lesson_step {
-    simon side[2]; /* before and after */
-    size_t size[2];
-    unsigned char bytes[]; /* taught state before, followed by the state after */
-} lesson_step;
+/* The value of an undo step. */
+typedef struct lesson {
+    simon simon;
+    size_t size;
+    unsigned char bytes[]; /* taught state of the mapping */
+} lesson;
 
 static void say(panel *self, int32_t level, const char *text)
 {
     news_list_add(app_news(self->app), level, "hand", text);
 }
 
-static void go_to(panel *self, const lesson_step *to, int side)
+static mrt_result set(void *owner, const void *value)
 {
+    panel *self = owner;
+    const lesson *to = value;
     error err = {""};
-    const unsigned char *bytes = to->bytes + (side == 0 ? 0 : to->size[0]);
-    if (live_teach(app_live(self->app), bytes, to->size[side], &err) < 0) {
+    const mrt_result result = live_teach(app_live(self->app), to->bytes, to->size, &err);
+    if (result < 0) {
         say(self, MRT_LOG_ERROR, err.text);
-        return;
+        return result;
     }
-    self->simon = to->side[side];
+    self->simon = to->simon;
     self->said[0] = '\0';
-}
-
-static void undo(void *owner, void *data)
-{
-    go_to(owner, data, 0);
-}
-
-static void redo(void *owner, void *data)
-{
-    go_to(owner, data, 1);
+    return MRT_OK;
 }
 
 /* Returns the taught state, which the caller frees. NULL: the mapping has none, or no memory. */
@@ -324,20 +318,32 @@ static unsigned char *fetch_taught(panel *self, size_t *out_size)
     return NULL;
 }
 
+/* NULL: no memory. */
+static lesson *lesson_of(const simon *of, const unsigned char *bytes, size_t size)
+{
+    lesson *out = malloc(sizeof *out + size);
+    if (!out)
+        return NULL;
+    *out = (lesson){.simon = *of, .size = size};
+    memcpy(out->bytes, bytes, size);
+    return out;
+}
+
+/* Without memory the lesson stays, but cannot be undone. */
 static void keep_step(panel *self, const unsigned char *after, size_t after_size, const char *words)
 {
-    const size_t bytes = sizeof(lesson_step) + self->before_size + after_size;
-    lesson_step *made = malloc(bytes);
-    if (!made)
-        return; /* the lesson stays, but cannot be undone */
-    *made = (lesson_step){.side = {self->simon_before, self->simon},
-                          .size = {self->before_size, after_size}};
-    memcpy(made->bytes, self->before, self->before_size);
-    memcpy(made->bytes + self->before_size, after, after_size);
-    app_step told = {
-        .owner = self, .undo = undo, .redo = redo, .data = made, .bytes = bytes, .forget = free};
-    (void)snprintf(told.words, sizeof told.words, "%s", words);
-    app_did(self->app, &told);
+    undo_change made = {.owner = self,
+                        .set = set,
+                        .before = lesson_of(&self->simon_before, self->before, self->before_size),
+                        .after = lesson_of(&self->simon, after, after_size),
+                        .bytes = 2 * sizeof(lesson) + self->before_size + after_size};
+    if (!made.before || !made.after) {
+        free(made.before);
+        free(made.after);
+        return;
+    }
+    (void)snprintf(made.words, sizeof made.words, "%s", words);
+    app_add_change(self->app, &made);
 }
 
 static void end_lesson(panel *self)
@@ -926,7 +932,7 @@ static void destroy(panel *self)
 {
     if (!self)
         return;
-    app_forget_steps(self->app, self);
+    app_forget_changes(self->app, self);
     posed_shape_destroy(self->shapes);
     for (uint32_t side = 0; side < 2; ++side)
         hand_skeleton_destroy(self->skeleton[side]);

@@ -58,23 +58,53 @@ struct panel {
 
 /* ---- undo steps ---- */
 
-typedef struct change {
+typedef enum setting_kind { SETTING_PARAMS, SETTING_MAPPING, SETTING_PRESET } setting_kind;
+
+typedef struct param_value {
     uint32_t id; /* of the parameter; constant across plugin reloads */
-    double value[2];
-} change;
+    double value;
+} param_value;
 
-typedef struct step {
-    char *type_id; /* mapping of the values */
-    change *changes;
-    uint32_t change_count;
-    unsigned char *taught[2]; /* taught state before and after; NULL: unchanged */
-    size_t taught_size[2];
-    char *text[2]; /* for a switch of the mapping: before and after; NULL: a change of values */
-    char *preset; /* settings key of a preset, whose values are in text (NULL: deleted); NULL: not a
-                     preset */
-} step;
+/* The value of an undo step, in one allocation. */
+typedef struct setting {
+    setting_kind kind;
+    char name[PRESET_KEY]; /* PARAMS: id of the mapping; PRESET: settings key; else "" */
+    size_t size;           /* of the bytes that follow the parameters: the taught state, or text
+                              with its NUL. 0: taught state unchanged; preset deleted */
+    uint32_t param_count;
+    param_value params[];
+} setting;
 
-enum { BEFORE = 0, AFTER = 1 };
+static const void *bytes_of(const setting *of)
+{
+    return of->params + of->param_count;
+}
+
+static size_t setting_size(const setting *of)
+{
+    return sizeof *of + of->param_count * sizeof *of->params + of->size;
+}
+
+/* NULL: no memory. */
+static setting *setting_new(setting_kind kind, const char *name, const param_value *params,
+                            uint32_t param_count, const void *bytes, size_t size)
+{
+    setting *out = malloc(sizeof *out + param_count * sizeof *params + size);
+    if (!out)
+        return NULL;
+    *out = (setting){.kind = kind, .size = size, .param_count = param_count};
+    (void)snprintf(out->name, sizeof out->name, "%s", name);
+    if (param_count > 0)
+        memcpy(out->params, params, param_count * sizeof *params);
+    if (size > 0)
+        memcpy(out->params + param_count, bytes, size);
+    return out;
+}
+
+static setting *setting_of_text(setting_kind kind, const char *name, const char *text)
+{
+    return setting_new(kind, name, NULL, 0, text, text ? strlen(text) + 1 : 0);
+}
 
 static bool same(double a, double b)
 {
@@ -94,82 +124,62 @@ static void set_preset(panel *self, const char *key, const char *text)
     self->presets_are_stale = true;
 }
 
-static void go_to(panel *self, const step *of, int side)
+static mrt_result set_params(panel *self, const setting *to)
 {
     error err = {""};
     instance *mapping = live_mapping(app_live(self->app));
-    if (of->preset) {
-        set_preset(self, of->preset, of->text[side]);
-        return;
-    }
-    if (of->text[side]) {
-        if (live_set_mapping(app_live(self->app), of->text[side], &err) < 0)
-            say(self, MRT_LOG_ERROR, err.text);
-        return;
-    }
-    if (!mapping || strcmp(mapping->type->id, of->type_id) != 0) {
+    if (!mapping || strcmp(mapping->type->id, to->name) != 0) {
         say(self, MRT_LOG_WARNING, "that parameter belongs to another mapping and was not changed");
-        return;
+        return MRT_OK;
     }
-    for (uint32_t i = 0; i < of->change_count; ++i)
+    for (uint32_t i = 0; i < to->param_count; ++i)
         for (uint32_t k = 0; k < mapping->type->param_count; ++k)
-            if (mapping->type->params[k].id == of->changes[i].id)
-                instance_set_value(mapping, k, of->changes[i].value[side]);
-    if (of->taught[side] &&
-        live_teach(app_live(self->app), of->taught[side], of->taught_size[side], &err) < 0)
+            if (mapping->type->params[k].id == to->params[i].id)
+                instance_set_value(mapping, k, to->params[i].value);
+    const mrt_result result =
+        to->size ? live_teach(app_live(self->app), bytes_of(to), to->size, &err) : MRT_OK;
+    if (result < 0)
         say(self, MRT_LOG_ERROR, err.text);
+    return result;
 }
 
-static void undo(void *owner, void *data)
+static mrt_result set(void *owner, const void *of)
 {
-    go_to(owner, data, BEFORE);
+    panel *self = owner;
+    const setting *to = of;
+    error err = {""};
+    mrt_result result = MRT_OK;
+    switch (to->kind) {
+    case SETTING_PARAMS:
+        return set_params(self, to);
+    case SETTING_MAPPING:
+        result = live_set_mapping(app_live(self->app), bytes_of(to), &err);
+        if (result < 0)
+            say(self, MRT_LOG_ERROR, err.text);
+        return result;
+    case SETTING_PRESET:
+        set_preset(self, to->name, to->size ? bytes_of(to) : NULL);
+        return MRT_OK;
+    }
+    return MRT_OK;
 }
 
-static void redo(void *owner, void *data)
+/* Adds an undo step, and takes ownership of its values. Without memory (a value is NULL) the change
+ * stays, but cannot be undone. */
+static void note(panel *self, const char *words, setting *before, setting *after)
 {
-    go_to(owner, data, AFTER);
-}
-
-/* ---- recording of undo steps ---- */
-
-static void finish(void *data)
-{
-    step *of = data;
-    free(of->type_id);
-    free(of->changes);
-    free(of->preset);
-    free(of->taught[BEFORE]);
-    free(of->taught[AFTER]);
-    free(of->text[BEFORE]);
-    free(of->text[AFTER]);
-    *of = (step){.type_id = NULL};
-}
-
-static void forget(void *data)
-{
-    finish(data);
-    free(data);
-}
-
-/* Adds the step to the undo history and takes ownership. Without memory the change stays, but
- * cannot be undone. */
-static void keep(panel *self, step *made, const char *words)
-{
-    step *kept = malloc(sizeof *kept);
-    if (!kept) {
-        finish(made);
+    if (!before || !after) {
+        free(before);
+        free(after);
         return;
     }
-    *kept = *made;
-    app_step told = {.owner = self,
-                     .undo = undo,
-                     .redo = redo,
-                     .data = kept,
-                     .bytes = sizeof *kept + kept->change_count * sizeof *kept->changes +
-                              kept->taught_size[BEFORE] + kept->taught_size[AFTER],
-                     .forget = forget};
-    (void)snprintf(told.words, sizeof told.words, "%s", words);
-    app_did(self->app, &told);
+    undo_change made = {.owner = self,
+                        .set = set,
+                        .before = before,
+                        .after = after,
+                        .bytes = setting_size(before) + setting_size(after)};
+    (void)snprintf(made.words, sizeof made.words, "%s", words);
+    app_add_change(self->app, &made);
 }
 
 /* Returns the taught state of the active mapping, which the caller frees. NULL: none, or no memory.
@@ -184,30 +194,25 @@ static unsigned char *fetch_taught(panel *self, size_t *out_size)
     return NULL;
 }
 
-/* Loads a taught state into the mapping and adds it to the step `made`. Takes ownership of
- * `taught`. */
-static void teach(panel *self, step *made, unsigned char *taught, size_t size)
+/* Loads a taught state into the mapping. Returns the previous one, which the caller frees. NULL:
+ * unchanged, or no memory for undo. */
+static unsigned char *teach(panel *self, const unsigned char *taught, size_t size,
+                            size_t *out_before_size)
 {
     error err = {""};
-    size_t before_size;
-    unsigned char *before = fetch_taught(self, &before_size);
-    bool is_other = !before || before_size != size || memcmp(before, taught, size) != 0;
-    if (is_other && live_teach(app_live(self->app), taught, size, &err) < 0) {
-        char words[256];
-        (void)snprintf(words, sizeof words,
-                       "cannot restore the learned hand poses of the preset: %.200s", err.text);
-        say(self, MRT_LOG_ERROR, words);
-        is_other = false;
-    }
-    if (!is_other || !before) {
+    unsigned char *before = fetch_taught(self, out_before_size);
+    if (before && *out_before_size == size && memcmp(before, taught, size) == 0) {
         free(before);
-        free(taught);
-        return;
+        return NULL;
     }
-    made->taught[BEFORE] = before;
-    made->taught_size[BEFORE] = before_size;
-    made->taught[AFTER] = taught;
-    made->taught_size[AFTER] = size;
+    if (live_teach(app_live(self->app), taught, size, &err) >= 0)
+        return before;
+    char words[256];
+    (void)snprintf(words, sizeof words,
+                   "cannot restore the learned hand poses of the preset: %.200s", err.text);
+    say(self, MRT_LOG_ERROR, words);
+    free(before);
+    return NULL;
 }
 
 /* Sets the parameters of the active mapping (values: param_count, by index) and its taught state
@@ -216,29 +221,35 @@ static void set_values(panel *self, const double *values, unsigned char *taught,
                        const char *words)
 {
     instance *mapping = live_mapping(app_live(self->app));
-    if (!mapping) {
-        free(taught);
-        return;
-    }
-    uint32_t count = mapping->type->param_count;
-    step made = {.type_id = strdup(mapping->type->id),
-                 .changes = calloc((size_t)count + 1, sizeof(change))};
-    if (taught)
-        teach(self, &made, taught, taught_size);
+    const uint32_t count = mapping ? mapping->type->param_count : 0;
+    param_value *before = calloc((size_t)count + 1, sizeof *before),
+                *after = calloc((size_t)count + 1, sizeof *after);
+    uint32_t changed = 0;
+    size_t taught_before_size = 0;
+    unsigned char *taught_before =
+        mapping && taught ? teach(self, taught, taught_size, &taught_before_size) : NULL;
     for (uint32_t i = 0; i < count; ++i) {
         const mrt_param *p = &mapping->type->params[i];
-        double before = instance_value(mapping, i);
-        if (p->flags & MRT_PARAM_TRIGGER || same(before, values[i]))
+        const double was = instance_value(mapping, i);
+        if (p->flags & MRT_PARAM_TRIGGER || same(was, values[i]))
             continue;
         instance_set_value(mapping, i, values[i]);
-        if (made.changes)
-            made.changes[made.change_count++] =
-                (change){p->id, {before, instance_value(mapping, i)}};
+        if (!before || !after)
+            continue; /* no memory for undo */
+        before[changed] = (param_value){p->id, was};
+        after[changed++] = (param_value){p->id, instance_value(mapping, i)};
     }
-    if (made.type_id && made.changes && (made.change_count > 0 || made.taught[AFTER]))
-        keep(self, &made, words);
-    else
-        finish(&made);
+    if (changed > 0 || taught_before) {
+        const char *id = mapping->type->id;
+        note(self, words,
+             setting_new(SETTING_PARAMS, id, before, changed, taught_before, taught_before_size),
+             setting_new(SETTING_PARAMS, id, after, changed, taught,
+                         taught_before ? taught_size : 0));
+    }
+    free(taught_before);
+    free(taught);
+    free(before);
+    free(after);
 }
 
 /* Sets all values as one undo step. */
@@ -262,14 +273,9 @@ static void note_value(panel *self, uint32_t index, double before)
         return;
     (void)snprintf(words, sizeof words, "%.60s: %.60s %g%s%.20s", mapping->type->name, p->name,
                    after, p->unit[0] ? " " : "", p->unit);
-    step made = {
-        .type_id = strdup(mapping->type->id), .changes = malloc(sizeof(change)), .change_count = 1};
-    if (made.type_id && made.changes) {
-        made.changes[0] = (change){p->id, {before, after}};
-        keep(self, &made, words);
-    } else {
-        finish(&made);
-    }
+    const char *id = mapping->type->id;
+    note(self, words, setting_new(SETTING_PARAMS, id, &(param_value){p->id, before}, 1, NULL, 0),
+         setting_new(SETTING_PARAMS, id, &(param_value){p->id, after}, 1, NULL, 0));
 }
 
 /* Switches to a mapping by name ("": none). Reports errors in the log panel. */
@@ -286,11 +292,9 @@ static void choose_mapping(panel *self, const char *name)
     presets_mapping_text(now, after, sizeof after);
     (void)snprintf(words, sizeof words, "mapping %.100s",
                    now ? isolate_inner(now->type)->name : "none");
-    step made = {.text = {strdup(before), strdup(after)}};
-    if (made.text[BEFORE] && made.text[AFTER] && strcmp(before, after) != 0)
-        keep(self, &made, words);
-    else
-        finish(&made);
+    if (strcmp(before, after) != 0)
+        note(self, words, setting_of_text(SETTING_MAPPING, "", before),
+             setting_of_text(SETTING_MAPPING, "", after));
 }
 
 /* Saves the text of a preset, or deletes the preset (text NULL). Without memory the change stays,
@@ -303,16 +307,10 @@ static void change_preset(panel *self, const mrt_plugin_type *type, const char *
     const char *before = presets_kept(app_settings(self->app), type, name);
     if (before == text || (before && text && strcmp(before, text) == 0))
         return;
-    step made = {.preset = strdup(key),
-                 .text = {before ? strdup(before) : NULL, text ? strdup(text) : NULL}};
-    const bool is_whole =
-        made.preset && !before == !made.text[BEFORE] && !text == !made.text[AFTER];
-    set_preset(self, key, text);
     (void)snprintf(words, sizeof words, "preset '%s' %s", name, text ? "saved" : "deleted");
-    if (is_whole)
-        keep(self, &made, words);
-    else
-        finish(&made);
+    note(self, words, setting_of_text(SETTING_PRESET, key, before),
+         setting_of_text(SETTING_PRESET, key, text));
+    set_preset(self, key, text);
 }
 
 /* Saves the current values and taught state of the active mapping as a preset. `name` is clean. */
@@ -1376,7 +1374,7 @@ static void destroy(panel *self)
     if (!self)
         return;
     mapping_learn_end(self);
-    app_forget_steps(self->app, self);
+    app_forget_changes(self->app, self);
     for (uint32_t side = 0; side < 2; ++side)
         hand_skeleton_destroy(self->skeleton[side]);
     free(self->lessons);

@@ -18,10 +18,6 @@ enum { ITEMS_MAX = 640, ITEM = 112, LIVE_INPUTS = 8 };
 #define NOBODY UINT32_MAX
 #define LABEL  74.0f
 
-typedef struct patch_step { /* data for undo and redo */
-    patch before, after;
-} patch_step;
-
 struct panel {
     app *app;
     patch work; /* patch as drawn; newer than the patch of the application while a slider is dragged
@@ -44,25 +40,21 @@ struct panel {
 
 /* ---- changes and undo ---- */
 
-static void undo(void *owner, void *data)
+static mrt_result set(void *owner, const void *value)
 {
-    app_set_patch(((panel *)owner)->app, &((const patch_step *)data)->before);
-}
-
-static void redo(void *owner, void *data)
-{
-    app_set_patch(((panel *)owner)->app, &((const patch_step *)data)->after);
+    app_set_patch(((panel *)owner)->app, value);
+    return MRT_OK;
 }
 
 static void commit(panel *self)
 {
     if (patch_equal(&self->work, app_patch(self->app)))
         return;
-    const patch_step made = {*app_patch(self->app), self->work};
+    const patch before = *app_patch(self->app);
     app_set_patch(self->app, &self->work);
-    app_step told = {.owner = self, .undo = undo, .redo = redo};
-    (void)snprintf(told.words, sizeof told.words, "patch: %.120s", self->words);
-    app_did_with(self->app, &told, &made, sizeof made);
+    undo_change made = {.owner = self, .set = set};
+    (void)snprintf(made.words, sizeof made.words, "patch: %.120s", self->words);
+    app_add_copied_change(self->app, &made, &before, &self->work, sizeof before);
 }
 
 static void change(panel *self, const char *words)
@@ -729,7 +721,7 @@ static void destroy(panel *self)
 {
     if (!self)
         return;
-    app_forget_steps(self->app, self);
+    app_forget_changes(self->app, self);
     free(self);
 }
 

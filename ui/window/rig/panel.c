@@ -764,38 +764,27 @@ static void tell(panel *self, const char *text)
 
 /* ---- changes ---- */
 
-static void go(panel *self, uint64_t number)
+/* The value is the number of a state of the rig. */
+static mrt_result set(void *owner, const void *value)
 {
+    panel *self = owner;
     rig_panel_end_stroke(self);
     self->jawing.is_changing = self->is_says_held = self->parting.is_held = false;
-    if (!self->model || !rig_model_go(self->model, number))
+    if (!self->model || !rig_model_go(self->model, *(const uint64_t *)value))
         rig_panel_report(self, "This change of the rig is no longer in the undo history.");
     self->shown.is_tint_new = self->shown.is_shape_new = true;
     app_notes_of(self->of)->is_rig_pending = true;
+    return MRT_OK;
 }
 
-/* The data of a step is the number of the state after it. */
-static void undo(void *owner, void *data)
+static void note_change(panel *self, uint64_t number, const char *words)
 {
-    go(owner, (uintptr_t)data - 1);
-}
-
-static void redo(void *owner, void *data)
-{
-    go(owner, (uintptr_t)data);
-}
-
-static void note_step(panel *self, uint64_t number, const char *words)
-{
-    const rig *made = rig_model_rig(self->model);
-    app_step step = {.owner = self,
-                     .undo = undo,
-                     .redo = redo,
-                     .data = (void *)(uintptr_t)number,
-                     .bytes = made ? made->copied_bytes : 0};
-    (void)snprintf(step.words, sizeof step.words, "rig: %s", words);
+    const rig *of = rig_model_rig(self->model);
+    const uint64_t before = number - 1;
+    undo_change made = {.owner = self, .set = set, .bytes = of ? of->copied_bytes : 0};
+    (void)snprintf(made.words, sizeof made.words, "rig: %s", words);
     app_clear_pulls(self->of);
-    app_did(self->of, &step);
+    app_add_copied_change(self->of, &made, &before, &number, sizeof number);
     app_notes_of(self->of)->is_rig_pending = true;
     self->shown.is_tint_new = self->shown.is_shape_new = true;
 }
@@ -816,7 +805,7 @@ bool rig_panel_finish(panel *self, mrt_result result, const char *words)
         rig_model_abandon(self->model);
         return false;
     }
-    note_step(self, rig_model_commit(self->model), words);
+    note_change(self, rig_model_commit(self->model), words);
     return true;
 }
 
@@ -853,7 +842,7 @@ void rig_panel_choose(panel *self, rig_tab tab, uint32_t index)
 static void forget_face(panel *self)
 {
     rig_panel_end_stroke(self);
-    app_forget_steps(self->of, self);
+    app_forget_changes(self->of, self);
     app_set_unsaved(self->of, NULL);
     self->was_unsaved = false;
     rig_model_destroy(self->model);
@@ -1056,7 +1045,7 @@ static void take_draft(panel *self)
     }
     free(self->confirm);
     self->confirm = made.confirm;
-    note_step(self, made.number, made.has_cut ? "cut the mouth" : "draft");
+    note_change(self, made.number, made.has_cut ? "cut the mouth" : "draft");
     rig_panel_choose(self, RIG_TAB_CHECK, 0);
     if (!self->is_shown) {
         char text[128], keys[KEY_WORDS + 4];
@@ -1157,7 +1146,7 @@ static void draw_kept(panel *self, ui *on)
         mrt_result result = rig_model_restore_recovered(self->model, &number, &err);
         rig_panel_report(self, result < 0 ? err.text : "");
         if (result >= 0)
-            note_step(self, number, "restore unsaved changes");
+            note_change(self, number, "restore unsaved changes");
     }
     ui_same_line(on);
     if (ui_button(on, "Discard", UI_QUIET))

@@ -74,31 +74,18 @@ take_layer timeline_comp_lane(const panel *self, uint32_t index)
 
 /* ---- undo ---- */
 
-typedef struct slide_step {
-    timeline_slid after;
-    int64_t before_ns;
-} slide_step;
-
-static void go(panel *self, const slide_step *step, bool is_after)
+static mrt_result set(void *owner, const void *value)
 {
-    timeline_slid wanted = step->after;
-    if (!is_after)
-        wanted.later_ns = step->before_ns;
+    panel *self = owner;
+    const timeline_slid *wanted = value;
     /* Shows the change in its take. app_choose_take reports a take that no longer exists. */
-    if (app_take_id(self->app) != wanted.of && app_choose_take(self->app, wanted.of) < 0)
-        return;
+    const mrt_result result =
+        app_take_id(self->app) == wanted->of ? MRT_OK : app_choose_take(self->app, wanted->of);
+    if (result < 0)
+        return result;
     self->has_comps = true;
-    lay(self, &wanted);
-}
-
-static void undo(void *owner, void *data)
-{
-    go(owner, data, false);
-}
-
-static void redo(void *owner, void *data)
-{
-    go(owner, data, true);
+    lay(self, wanted);
+    return MRT_OK;
 }
 
 void timeline_slide_note(panel *self, uint32_t index, int64_t before_ns)
@@ -107,18 +94,19 @@ void timeline_slide_note(panel *self, uint32_t index, int64_t before_ns)
     const int64_t after_ns = timeline_comp_later_ns(self, index);
     if (after_ns == before_ns)
         return;
-    const slide_step made = {{self->comps->of, other->id, after_ns}, before_ns};
-    app_step step = {.owner = self, .undo = undo, .redo = redo};
-    (void)snprintf(step.words, sizeof step.words, "shift take %u to %+.2f s", other->number,
+    const timeline_slid before = {self->comps->of, other->id, before_ns},
+                        after = {self->comps->of, other->id, after_ns};
+    undo_change made = {.owner = self, .set = set};
+    (void)snprintf(made.words, sizeof made.words, "shift take %u to %+.2f s", other->number,
                    1e-9 * (double)after_ns);
-    app_did_with(self->app, &step, &made, sizeof made);
+    app_add_copied_change(self->app, &made, &before, &after, sizeof after);
 }
 
 /* ---- show of the takes ---- */
 
 static void forget_slides(panel *self)
 {
-    app_forget_steps(self->app, self);
+    app_forget_changes(self->app, self);
     free(self->slid_show);
     self->slid_show = NULL;
 }
