@@ -191,7 +191,7 @@ static void promise(cell *self, const row *r)
     if (r->is_step)
         return;
     if (!r->is_direct && is_wide && self->plane->vertex_count > 1000000)
-        bench_at_least(of, "anchored, 1.05 M: of triad", r->triad_ns / r->took_ns, 0.8);
+        bench_at_least(of, "anchored, 1.05 M: of triad", r->triad_ns / r->took_ns, 0.7);
     if (self->plane->vertex_count != 33025)
         return;
     if (!r->is_direct && is_wide) {
@@ -203,8 +203,8 @@ static void promise(cell *self, const row *r)
         self->narrow_ns = r->took_ns;
     }
     if (r->is_direct && is_wide) {
-        bench_at_least(of, "direct R=80: of roots", of_roots, 0.6);
-        bench_at_least(of, "direct R=80: over naive", over_naive, 10.0);
+        bench_at_least(of, "direct R=80: of roots", of_roots, 0.55);
+        bench_at_least(of, "direct R=80: over naive", over_naive, 9.0);
         bench_at_least(of, "direct R=10: over R=80", r->took_ns / self->narrow_ns, 2.0);
     }
 }
