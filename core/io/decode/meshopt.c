@@ -4,7 +4,7 @@
 #include <meshoptimizer.h>
 #include <stdlib.h>
 
-/* Checks the combination of mode and filter, which the library only asserts. */
+/* Checks the combination of mode and filter, which the library checks only with assert. */
 static bool is_sensible(const decode_order *order)
 {
     uint32_t stride = order->stride;

@@ -35,7 +35,7 @@ float within(double number, double low, double high)
     return number > low ? (number < high ? (float)number : (float)high) : (float)low;
 }
 
-/* Up to `count` numbers of an array; the others stay. */
+/* Reads up to `count` numbers of an array; missing numbers keep their value. */
 void read_numbers(const value &of, double *out, size_t count)
 {
     for (size_t i = 0; of.IsArray() && i < count && i < of.ArrayLen(); ++i)
@@ -55,7 +55,7 @@ std::vector<unsigned char> copy_of(const unsigned char *at, size_t size)
     return std::vector<unsigned char>(at, at + size);
 }
 
-/* A file beside the document, or below. */
+/* Reads a file in the folder of the document, or below it. */
 std::vector<unsigned char> read_file(const picture_files &from, const std::string &uri)
 {
     std::string name = gltf_percent_decoded(uri);
@@ -165,7 +165,7 @@ class material_reader
             if (!shader.IsString() || shader.Get<std::string>() != "VRM/MToon")
                 return;
             m.lighting = MESH_LIGHTING_TOON;
-            shade[0] = 0.97, shade[1] = 0.81, shade[2] = 0.86; /* MToon's own default */
+            shade[0] = 0.97, shade[1] = 0.81, shade[2] = 0.86; /* default of MToon */
             read_numbers(gltf_member(gltf_member(of, "vectorProperties"), "_ShadeColor"), shade, 3);
             for (double &channel : shade)
                 channel = srgb_to_linear(channel);
@@ -177,7 +177,7 @@ class material_reader
             m.shade_colour[i] = within(shade[i], 0, 1);
     }
 
-    /* VRM 0's two numbers as VRM 1's, as UniVRM carries them over. */
+    /* Converts the two numbers of VRM 0 to those of VRM 1, as UniVRM does. */
     static void read_old_toon(mesh_material &m, double shift, double toony)
     {
         double low = shift, high = 1.0 + (shift - 1.0) * toony;
@@ -248,8 +248,8 @@ class material_reader
                                  : MESH_WRAP_REPEAT;
     }
 
-    /* PNG or JPEG where the file has it, else what an extension brings (which is refused by name).
-     */
+    /* Returns the PNG or JPEG of a texture if the file has one. Otherwise returns the picture of an
+     * extension, which is refused by name. */
     uint32_t image_of(const tinygltf::Texture &texture, const std::string &material)
     {
         int64_t source = texture.source;

@@ -78,7 +78,7 @@ void check_node_index(const tinygltf::Model &model, int index, const char *where
                   model.nodes.size());
 }
 
-/* How many parents each node has: at most one, so whatever hangs on a root is a tree. */
+/* Counts the parents of each node. Each has at most one, so all nodes below a root form a tree. */
 std::vector<int> count_parents(const tinygltf::Model &model)
 {
     std::vector<int> parent_count(model.nodes.size(), 0);
@@ -309,8 +309,8 @@ void gltf_transform_points(const gltf_transform &t, float *point, size_t count)
     }
 }
 
-/* By the inverse transpose, which is the cofactor matrix over the determinant; the length is left
- * to the caller. */
+/* Transforms by the inverse transpose, which is the cofactor matrix over the determinant. The
+ * caller normalises the result. */
 void gltf_transform_normals(const gltf_transform &t, float *normal, size_t count)
 {
     const double(&m)[3][3] = t.linear;
@@ -408,8 +408,9 @@ void gltf_skin::read_matrices(const tinygltf::Skin &skin)
     }
 }
 
-/* A skeleton that stands as its skin was bound moves all vertices alike, but for rounding: then
- * they are moved alike to the last bit, so that vertices at one place stay at one place. */
+/* Finds out if the skeleton is in its bind pose. It then moves all vertices equally except for
+ * rounding. One common transform is used instead, so that vertices at the same position stay
+ * together to the bit. */
 void gltf_skin::find_common()
 {
     double size = 0.0;
@@ -497,7 +498,7 @@ void gltf_skin::read(const tinygltf::Primitive &source, size_t count, uint32_t *
     }
 }
 
-/* Of a vertex without weights: as the first joint of the skin has it. */
+/* Returns the transform of a vertex. Without weights it is that of the first joint of the skin. */
 gltf_transform gltf_skin::blend(size_t vertex) const
 {
     const influence *row = &influence_[vertex * width_];
