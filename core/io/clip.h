@@ -139,7 +139,7 @@ const double *clip_pulled(const clip *c, uint32_t frame, uint32_t *out_segment);
 typedef struct clip_remainder {  /* the remainder of frames with a named part */
     double furthest_mm, mean_mm; /* largest error of a vertex in any frame; mean over the frames of
                                     the largest error */
-    double loose_mm; /* furthest_mm of free frames without curve values and pulls: clay */
+    double loose_mm;             /* furthest_mm of the free frames without pulls: clay */
 } clip_remainder;
 /* Returns a clip of the remainders: the rest shape, moved by the difference between each frame and
  * its named part. Anchored frames without a named part stand still. Destroy it before c. */

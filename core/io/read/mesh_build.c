@@ -65,7 +65,7 @@ static mrt_result table_grow(mesh_build_table *t, error *err)
     return MRT_OK;
 }
 
-/* Finds a name, or adds it. */
+/* Finds a name or adds it. */
 static mrt_result table_find(mesh_build_table *t, const char *text, uint32_t material,
                              uint32_t *out_item, error *err)
 {
@@ -227,7 +227,7 @@ static double squared_distance(const mesh_build *b, uint32_t v, uint32_t w)
     return sum;
 }
 
-/* Of three corners of the face. */
+/* Adds a triangle of three corners of the face. */
 static void add_triangle(mesh_build *b, size_t i, size_t j, size_t k)
 {
     const size_t corner[3] = {i, j, k};
@@ -384,7 +384,7 @@ static mrt_result take_names(mesh_build *b, mesh *out, error *err)
 
 enum {
     VERSIONS_MAX = 64
-}; /* versions of a vertex that are searched; further ones are not shared */
+}; /* maximum number of versions of a vertex that are searched; later ones are not shared */
 
 typedef struct splitting {
     mesh_build *b;

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* ---- turning ---- */
+/* ---- rotation ---- */
 
 static int line_of(mesh_axis axis) /* x 0, y 1, z 2 */
 {
@@ -55,9 +55,9 @@ static void turn_axes(mesh *m)
         }
 }
 
-/* ---- by the skeleton ---- */
+/* ---- axes from the skeleton ---- */
 
-/* Returns the axis nearest to the vector; AUTO: none is clear. */
+/* Returns the axis nearest to the vector; AUTO: not clear. */
 static mesh_axis nearest_axis(const double vector[3])
 {
     double length = sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
@@ -94,7 +94,7 @@ static const mesh_joint *find_joint(const mesh *m, const char *role, const char 
     return NULL;
 }
 
-/* Whether `right` is the name of `left` with the other side's word. */
+/* Returns whether `right` is the name `left` with the sides exchanged. */
 static bool is_other_side(const char *left, const char *right)
 {
     const char *l = left, *r = right;
@@ -152,7 +152,7 @@ static bool find_by_skeleton(const mesh *m, mesh_axis *out_up, mesh_axis *out_fo
            line_of(*out_up) != line_of(*out_forward);
 }
 
-/* ---- by the shape ---- */
+/* ---- axes from the shape ---- */
 
 /* Finds the direction of the small triangles, which are the features of a face. It is the mean
  * centre of the triangles minus that of the area, in parts of the box. */
@@ -222,8 +222,8 @@ static void find_wander(double out[2], const mesh *m, const float low[3], const 
 }
 
 /* Finds the axes by shape, in clear cases only. One is a head with its features where glTF has the
- * back of the head or an ear, or where a modeller with z up has the face. The other is a body that
- * is tall along z. */
+ * back of the head or an ear, or where z-up modelling programs have the face. The other is a body
+ * that is tall along z. */
 static bool find_by_shape(const mesh *m, mesh_axis *out_up, mesh_axis *out_forward)
 {
     enum { TRIANGLES_MIN = 300 };
@@ -264,7 +264,7 @@ static bool find_by_shape(const mesh *m, mesh_axis *out_up, mesh_axis *out_forwa
 
 /* ---- axes ---- */
 
-/* Completes a pair of axes of which one is set, with the usual other one. */
+/* Sets the missing one of two axes to its usual value. */
 static void complete(mesh_axis *up, mesh_axis *forward)
 {
     if (*up == MESH_AXIS_AUTO)
@@ -371,7 +371,7 @@ static double guess_mm_per_unit(mesh *m, double format_mm)
     s.is_head = !is_body_by_joints && (is_flat || s.height < 2.8 * thinner);
     if (!(s.height > 0.0 && isfinite(s.height)) || (is_flat && format_mm > 0.0))
         return format_mm > 0.0 ? format_mm : 1.0;
-    /* No note is needed, also for a thin mask if the format has a unit. */
+    /* No note is needed. This includes a thin mask if the format has a unit. */
     bool is_of_heads_size =
         s.height * format_mm >= head_least_mm && s.height * format_mm <= head_most_mm;
     if (is_of_heads_size || is_likely(&s, format_mm))

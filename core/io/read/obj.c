@@ -32,7 +32,7 @@ static bool next_line(obj_reader *r)
     return text_next_line(&r->rest, &r->line);
 }
 
-/* As text_next_word, but continues on the next line after a single backslash. */
+/* Like text_next_word, but continues on the next line after a single backslash. */
 static bool next_word(obj_reader *r, text_view *out_word)
 {
     while (text_next_word(&r->line, out_word)) {
@@ -245,7 +245,7 @@ mrt_result obj_parse(mesh *out, const void *data, size_t size, const char *direc
     return result;
 }
 
-/* ---- what belongs to it ---- */
+/* ---- files that an OBJ refers to ---- */
 
 static mrt_result tell(const char *directory, const char *name, obj_file *found, void *self,
                        error *err)

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Squares of what lies farther are not safe in float32. */
+/* Maximum offset: the squares of larger offsets are not safe in float32. */
 static const float FARTHEST_M = 1e4f;
 
 static mrt_result no_memory(error *err)
@@ -67,7 +67,7 @@ float component_frames_peak(const float *offset, size_t vertex_count)
     return greatest;
 }
 
-/* ---- those of one window ---- */
+/* ---- the frames of one window ---- */
 
 typedef struct survey {
     double *sum;
@@ -84,7 +84,7 @@ static void see_frame(survey *all, const float *offset, size_t length)
     }
 }
 
-/* Returns the largest movement of a vertex since the frame before. */
+/* Returns the largest movement of a vertex since the previous frame. */
 static double step_from_before(const survey *all, const float *offset, size_t length)
 {
     float greatest = 0.0f;

@@ -9,11 +9,11 @@ using nlohmann::ordered_json;
 namespace
 {
 
-/* Where a value is; made a pointer only for a message. */
+/* Place of a value. It is converted to a JSON pointer only for messages. */
 struct place {
     const place *in; /* NULL: the document */
     const char *name;
-    size_t index; /* name NULL: of an item */
+    size_t index; /* index of the item if name is NULL */
 };
 
 const place DOCUMENT = {nullptr, nullptr, 0};
@@ -136,7 +136,7 @@ void check_indices(const ordered_json &document)
 
 /* ---- ranges ---- */
 
-/* The member, which must be there where there is nothing else to take. */
+/* Returns a member. Fails if it is missing and has no default. */
 size_t whole_at(const ordered_json &of, const char *key, const place &at,
                 const size_t *otherwise = nullptr)
 {
@@ -144,7 +144,7 @@ size_t whole_at(const ordered_json &of, const char *key, const place &at,
     if (found == of.end() && otherwise)
         return *otherwise;
     if (found == of.end() || !found->is_number_unsigned())
-        refuse({&at, key, 0}, "is no whole number");
+        refuse({&at, key, 0}, "is not a whole number");
     return found->get<size_t>();
 }
 
@@ -154,7 +154,7 @@ size_t offset_at(const ordered_json &of, const place &at)
     return whole_at(of, "byteOffset", at, &none);
 }
 
-/* A range of a buffer, which is named by its index. */
+/* Checks a range in a buffer that is given by its index. */
 void check_range(const ordered_json &of, const place &at, const std::vector<size_t> &buffer_size)
 {
     const size_t size = buffer_size[whole_at(of, "buffer", at)], offset = offset_at(of, at);
@@ -162,7 +162,8 @@ void check_range(const ordered_json &of, const place &at, const std::vector<size
         refuse(at, "goes past the end of its buffer");
 }
 
-/* Bytes; 0: glTF has no such type. Columns of matrices begin at multiples of 4 bytes. */
+/* Returns the size in bytes; 0: not a glTF type. Columns of matrices begin at multiples of 4 bytes.
+ */
 size_t element_size(const ordered_json &accessor)
 {
     static const struct {
@@ -183,7 +184,8 @@ size_t element_size(const ordered_json &accessor)
     return 0;
 }
 
-/* So many elements of a buffer view; of an accessor without one nothing is stored. */
+/* Checks that a buffer view contains the elements. An accessor without a buffer view stores no
+ * data. */
 void check_elements(const ordered_json &of, const place &at, const ordered_json &views, size_t size,
                     size_t count)
 {
@@ -230,7 +232,7 @@ void check_ranges(const ordered_json &document, const std::vector<size_t> &buffe
     });
 }
 
-/* ---- what grows: targets, their names and weights ---- */
+/* ---- lists that an export appends to: targets, their names and weights ---- */
 
 void check_weights(const ordered_json &of, const place &at, size_t target_count)
 {
