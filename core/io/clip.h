@@ -25,8 +25,7 @@ typedef struct clip_segment { /* an anchored engagement */
 typedef struct clip_pull { /* effect of one control of the segment */
     char *name;            /* "mouth.corner.l" */
     double place_mm[3];    /* gripped point of the face */
-    float
-        *response; /* vertex_count: share of the pull that each vertex follows; NULL: not stored */
+    float *response;       /* vertex_count: share of the pull that moves each vertex; NULL: none */
 } clip_pull;
 
 typedef struct clip_bone { /* a bone that rotates; its parent comes before it */

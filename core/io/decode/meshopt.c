@@ -64,8 +64,8 @@ mrt_result meshopt_decode(void **out_data, size_t *out_size, const decode_order 
     *out_data = NULL;
     *out_size = decode_answer_size(order);
     if (*out_size == 0 || !is_sensible(order))
-        return error_set(err, MRT_ERR_FORMAT,
-                         "its mode, filter and byteStride %u do not fit each other", order->stride);
+        return error_set(err, MRT_ERR_FORMAT, "its mode, filter and byteStride %u do not match",
+                         order->stride);
     void *out = calloc(*out_size, 1);
     if (!out)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the buffer");

@@ -100,10 +100,10 @@ gltf_array gltf_accessor::find(int view_index, size_t offset, size_t element_siz
                                size_t component_size) const
 {
     if (view_index < 0 || (size_t)view_index >= model_.bufferViews.size())
-        fail("its bufferView is not there");
+        fail("its bufferView does not exist");
     const tinygltf::BufferView &view = model_.bufferViews[(size_t)view_index];
     if (view.buffer < 0 || (size_t)view.buffer >= model_.buffers.size())
-        fail("the buffer of its bufferView is not there");
+        fail("the buffer of its bufferView does not exist");
     const std::vector<unsigned char> &bytes = model_.buffers[(size_t)view.buffer].data;
     if (view.byteOffset > bytes.size() || view.byteLength > bytes.size() - view.byteOffset)
         fail("its bufferView goes past the end of the buffer");

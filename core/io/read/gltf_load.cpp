@@ -407,8 +407,8 @@ void prepare_buffers(json &document, const gltf_container &container, buffer_fil
         total += length;
         if (length == 0 || total > BUFFER_BYTES_MAX)
             gltf_fail(MRT_ERR_UNSUPPORTED,
-                      "buffers[%zu].byteLength: 1 to %zu bytes in all are accepted", index,
-                      BUFFER_BYTES_MAX);
+                      "buffers[%zu].byteLength: all buffers together must have 1 to %zu bytes",
+                      index, BUFFER_BYTES_MAX);
         if (!buffer.contains("uri")) {
             if (!container.is_binary || index > 0)
                 gltf_fail(MRT_ERR_FORMAT, "buffers[%zu] has no uri", index);
@@ -467,7 +467,7 @@ bool read_buffer(std::vector<unsigned char> *out, std::string *, const std::stri
     if (stat(path.c_str(), &status) == 0 &&
         !source->files.insert({status.st_dev, status.st_ino}).second) {
         (void)error_set(&source->failed, MRT_ERR_UNSUPPORTED,
-                        "buffer \"%s\": its file is another buffer already", shown.c_str());
+                        "buffer \"%s\": another buffer already uses this file", shown.c_str());
         return false;
     }
     if (file_read(&bytes, path.c_str(), BUFFER_BYTES_MAX, &source->failed) < 0)
@@ -570,7 +570,7 @@ text_view bytes_of(const tinygltf::Model &model, int buffer, size_t offset, size
                    const std::string &name)
 {
     if (buffer < 0 || (size_t)buffer >= model.buffers.size())
-        gltf_fail(MRT_ERR_FORMAT, "%s: its buffer is not there", name.c_str());
+        gltf_fail(MRT_ERR_FORMAT, "%s: its buffer does not exist", name.c_str());
     const std::vector<unsigned char> &bytes = model.buffers[(size_t)buffer].data;
     if (offset > bytes.size() || size > bytes.size() - offset)
         gltf_fail(MRT_ERR_FORMAT, "%s: it goes past the end of its buffer", name.c_str());
@@ -684,10 +684,10 @@ void add_draco(job_list &out, std::vector<draco_primitive> &patches, const tinyg
     if (indices < 0)
         return; /* the file also has the uncompressed data */
     if (position == primitive.attributes.end() || primitive.mode != TINYGLTF_MODE_TRIANGLES)
-        gltf_fail(MRT_ERR_UNSUPPORTED, "%s: of Draco only triangles are read", name.c_str());
+        gltf_fail(MRT_ERR_UNSUPPORTED, "%s: only triangles are supported with Draco", name.c_str());
     int64_t view_index = gltf_whole(gltf_member(how, "bufferView"), -1);
     if (view_index < 0 || (size_t)view_index >= model.bufferViews.size())
-        gltf_fail(MRT_ERR_FORMAT, "%s: its compressed data is not there", name.c_str());
+        gltf_fail(MRT_ERR_FORMAT, "%s: its compressed data is missing", name.c_str());
     const tinygltf::BufferView &view = model.bufferViews[(size_t)view_index];
     text_view bytes = bytes_of(model, view.buffer, view.byteOffset, view.byteLength, name);
     decode_order &order = out.add(DECODE_DRACO, bytes, name);
@@ -777,7 +777,7 @@ void gltf_fail(mrt_result code, const char *format, ...)
 const tinygltf::Accessor &gltf_accessor_at(const tinygltf::Model &model, int index)
 {
     if (index < 0 || (size_t)index >= model.accessors.size())
-        gltf_fail(MRT_ERR_FORMAT, "accessor %d is used, but %zu are there", index,
+        gltf_fail(MRT_ERR_FORMAT, "accessor %d is used, but there are %zu", index,
                   model.accessors.size());
     return model.accessors[(size_t)index];
 }
@@ -862,7 +862,7 @@ gltf_document gltf_load(const gltf_container &container, const char *directory)
         gltf_fail(MRT_ERR_IO, "%s", source.failed.text);
     if (!loaded || !failed.empty())
         gltf_fail(MRT_ERR_FORMAT, "%s",
-                  failed.empty() ? "the document makes no sense" : first_line(failed).c_str());
+                  failed.empty() ? "the document is invalid" : first_line(failed).c_str());
     return out;
 }
 

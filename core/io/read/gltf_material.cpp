@@ -89,14 +89,14 @@ std::vector<unsigned char> read_view(const picture_files &from, int index)
 {
     const tinygltf::Model &model = from.document.model;
     if (index < 0 || (size_t)index >= model.bufferViews.size())
-        gltf_fail(MRT_ERR_FORMAT, "its bufferView is not there");
+        gltf_fail(MRT_ERR_FORMAT, "its bufferView does not exist");
     const tinygltf::BufferView &view = model.bufferViews[(size_t)index];
     if (view.buffer < 0 || (size_t)view.buffer >= model.buffers.size())
-        gltf_fail(MRT_ERR_FORMAT, "its buffer is not there");
+        gltf_fail(MRT_ERR_FORMAT, "its buffer does not exist");
     const std::vector<unsigned char> &bytes = model.buffers[(size_t)view.buffer].data;
     if (view.byteOffset > bytes.size() || view.byteLength > bytes.size() - view.byteOffset ||
         view.byteLength > MESH_IMAGE_SIZE_MAX)
-        gltf_fail(MRT_ERR_FORMAT, "its bytes are not there");
+        gltf_fail(MRT_ERR_FORMAT, "its bytes are missing");
     return copy_of(bytes.data() + view.byteOffset, view.byteLength);
 }
 
@@ -207,7 +207,7 @@ class material_reader
         if (index < 0)
             return out;
         if ((size_t)index >= model_.textures.size())
-            gltf_fail(MRT_ERR_FORMAT, "a material names texture %d, but %zu are there", index,
+            gltf_fail(MRT_ERR_FORMAT, "a material names texture %d, but there are %zu", index,
                       model_.textures.size());
         const value &transform = extension(extensions, "KHR_texture_transform");
         if ((int)gltf_whole(gltf_member(transform, "texCoord"), uv_set) != material_uv_set) {
@@ -257,7 +257,7 @@ class material_reader
             if (source < 0)
                 source = gltf_whole(gltf_member(extension(texture.extensions, name), "source"), -1);
         if (source < 0 || (size_t)source >= document_.images.size()) {
-            note(material, "its picture is not there");
+            note(material, "its picture is missing");
             return 0;
         }
         auto known = known_.find((size_t)source);

@@ -154,7 +154,7 @@ class planner
         size_t vertex_count = mesh.groups[found->second].vertex_count;
         size_t triangle_count = triangles_of(primitive, vertex_count);
         if (primitive.material >= (int)model_.materials.size())
-            gltf_fail(MRT_ERR_FORMAT, "a primitive has material %d, but %zu are there",
+            gltf_fail(MRT_ERR_FORMAT, "a primitive has material %d, but there are %zu",
                       primitive.material, model_.materials.size());
         plan_.needs_default_material |= primitive.material < 0;
         if (primitive.material >= 0)
@@ -170,7 +170,7 @@ class planner
         std::map<group_key, size_t> groups;
         for (const tinygltf::Primitive &primitive : mesh.primitives) {
             if (primitive.mode < 0 || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN)
-                gltf_fail(MRT_ERR_FORMAT, "mesh %zu: primitive mode %d is none", index,
+                gltf_fail(MRT_ERR_FORMAT, "mesh %zu: primitive mode %d is invalid", index,
                           primitive.mode);
             if (primitive.mode < TINYGLTF_MODE_TRIANGLES) {
                 plan_.skipped_count += 1;

@@ -472,7 +472,7 @@ mrt_result gltf_parse(mesh *out, const void *data, size_t size, const char *dire
     } catch (const std::bad_alloc &) {
         result = error_set(err, MRT_ERR_MEMORY, "no memory for the glTF document");
     } catch (...) {
-        result = error_set(err, MRT_ERR_FORMAT, "the glTF document makes no sense");
+        result = error_set(err, MRT_ERR_FORMAT, "the glTF document is invalid");
     }
     mesh_destroy(out);
     return result;

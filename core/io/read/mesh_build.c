@@ -146,8 +146,7 @@ void mesh_build_finish(mesh_build *b)
 mrt_result mesh_build_vertex(mesh_build *b, const float position[3], error *err)
 {
     if (b->vertex_count == COUNT_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "more than %d vertices are not accepted",
-                         COUNT_MAX);
+        return error_set(err, MRT_ERR_UNSUPPORTED, "at most %d vertices are allowed", COUNT_MAX);
     mrt_result result = mesh_build_grow((void **)&b->position, &b->vertex_capacity,
                                         b->vertex_count + 1, 3 * sizeof *b->position, err);
     if (result < 0)
@@ -195,7 +194,7 @@ mrt_result mesh_build_corner(mesh_build *b, int64_t vertex, error *err)
 {
     if (vertex < 0 || (uint64_t)vertex >= b->vertex_count)
         return error_set(err, MRT_ERR_FORMAT,
-                         "a face uses vertex %lld (counted from 0), but %zu are there",
+                         "a face uses vertex %lld (counted from 0), but there are %zu",
                          (long long)vertex, b->vertex_count);
     mrt_result result = mesh_build_grow((void **)&b->corner, &b->corner_capacity,
                                         b->corner_count + 1, sizeof *b->corner, err);
@@ -245,8 +244,7 @@ static void add_triangle(mesh_build *b, size_t i, size_t j, size_t k)
 static mrt_result reserve_triangles(mesh_build *b, size_t added, error *err)
 {
     if (added > COUNT_MAX - b->triangle_count)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "more than %d triangles are not accepted",
-                         COUNT_MAX);
+        return error_set(err, MRT_ERR_UNSUPPORTED, "at most %d triangles are allowed", COUNT_MAX);
     size_t needed = b->triangle_count + added;
     size_t capacity = b->triangle_capacity;
     mrt_result result =
@@ -396,8 +394,7 @@ static mrt_result reserve_versions(splitting *s, size_t needed, error *err)
 {
     mesh_build *b = s->b;
     if (needed > COUNT_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "more than %d vertices are not accepted",
-                         COUNT_MAX);
+        return error_set(err, MRT_ERR_UNSUPPORTED, "at most %d vertices are allowed", COUNT_MAX);
     mrt_result result =
         mesh_build_grow((void **)&s->next, &s->next_capacity, needed, sizeof *s->next, err);
     if (result >= 0)

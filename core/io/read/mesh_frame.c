@@ -281,18 +281,18 @@ static mrt_result set_axes(mesh *m, const mesh_frame *given, error *err)
     if (!is_given && (m->up != MESH_AXIS_AUTO || m->forward != MESH_AXIS_AUTO)) {
         up = m->up;
         forward = m->forward;
-        why = "as VRM 0 has it";
+        why = "standard of VRM 0";
     } else if (!is_given && find_by_skeleton(m, &up, &forward)) {
-        why = "by its skeleton";
+        why = "from its skeleton";
     } else if (!is_given && m->joint_count == 0 && find_by_shape(m, &up, &forward)) {
-        why = "by its shape";
+        why = "from its shape";
     } else if (!is_given) {
         up = forward = MESH_AXIS_AUTO;
     }
     complete(&up, &forward);
     if (line_of(up) == line_of(forward))
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "--up %s and --forward %s are one line: they must be at right angles",
+                         "--up %s and --forward %s are on one line: they must be at right angles",
                          mesh_axis_name(up), mesh_axis_name(forward));
     m->up = up;
     m->forward = forward;
@@ -300,10 +300,8 @@ static mrt_result set_axes(mesh *m, const mesh_frame *given, error *err)
         return MRT_OK;
     turn_axes(m);
     if (why)
-        mesh_note(
-            m,
-            "its axes are detected as up %s, forward %s (%s): set others with --up and --forward",
-            mesh_axis_name(up), mesh_axis_name(forward), why);
+        mesh_note(m, "detected axes: up %s, forward %s (%s). Change them with --up and --forward",
+                  mesh_axis_name(up), mesh_axis_name(forward), why);
     return MRT_OK;
 }
 
@@ -379,7 +377,7 @@ static double guess_mm_per_unit(mesh *m, double format_mm)
     for (size_t i = 0; i < sizeof unit / sizeof *unit; ++i)
         if (is_likely(&s, unit[i].mm)) {
             m->is_unit_guessed = true;
-            mesh_note(m, "the unit is taken for %s: so the height is %.0f mm (--unit says another)",
+            mesh_note(m, "assumed unit: %s, which makes the height %.0f mm. Change it with --unit",
                       unit[i].name, s.height * unit[i].mm);
             return unit[i].mm;
         }
@@ -389,8 +387,8 @@ static double guess_mm_per_unit(mesh *m, double format_mm)
     m->is_unit_guessed = true;
     mesh_note(
         m,
-        "%g units high, which is no %s's height in mm, cm or m: a unit is taken for %g mm, so "
-        "the height is %.0f mm (--unit says another)",
+        "the height of %g units does not fit a %s in mm, cm or m. Assumed unit: %g mm, which makes "
+        "the height %.0f mm. Change it with --unit",
         s.height, s.is_head ? "head" : "body", mm, s.height * mm);
     return mm;
 }

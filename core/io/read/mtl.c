@@ -195,7 +195,7 @@ static mrt_result add_material(mtl_library *library, text_view name, error *err)
 {
     char clean[MESH_BUILD_NAME_LENGTH_MAX + 1];
     if (library->count == MESH_BUILD_NAMES_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "more than %d materials are not accepted",
+        return error_set(err, MRT_ERR_UNSUPPORTED, "at most %d materials are allowed",
                          MESH_BUILD_NAMES_MAX);
     mrt_result result = mesh_build_grow((void **)&library->material, &library->capacity,
                                         library->count + 1, sizeof *library->material, err);
@@ -268,11 +268,11 @@ static mrt_result read_one(mtl_library *library, text_view name, const char *dir
     char path[PATH_MAX];
     file_bytes bytes;
     if (!resolve(path, "", name))
-        return error_set(err, MRT_ERR_FORMAT, "that is not the name of a file");
+        return error_set(err, MRT_ERR_FORMAT, "that is not a file name");
     if (is_known(library, path))
         return MRT_OK;
     if (library->file_count == MTL_FILES_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "more than %d files of materials are not read",
+        return error_set(err, MRT_ERR_UNSUPPORTED, "at most %d material files are read",
                          MTL_FILES_MAX);
     mrt_result result = file_read_below(&bytes, directory, path, FILE_SIZE_MAX, err);
     if (result < 0)
@@ -359,7 +359,7 @@ static uint32_t picture(applying *a, const char *file)
             return a->image[i];
     if (a->tried_count == TRIED_MAX) {
         if (!a->is_full)
-            mesh_note(a->m, "of its pictures the first %d are drawn", TRIED_MAX);
+            mesh_note(a->m, "only the first %d of its pictures are drawn", TRIED_MAX);
         a->is_full = true;
         return 0;
     }
@@ -454,7 +454,7 @@ uint32_t mtl_apply(mesh *m, mtl_library *library, const char *directory, size_t 
     }
     if (missing)
         mesh_note(m,
-                  "%u of its materials are in no file of materials, the first is \"%s\": they "
+                  "%u of its materials are not in any material file, the first is \"%s\": they "
                   "are grey",
                   missing, m->material[first_missing].name);
     if (library->malformed_count)

@@ -191,7 +191,7 @@ static mrt_result add_looks(mesh *m, text_view text, const char *directory, mesh
         if (one == MRT_ERR_MEMORY)
             result = error_set(err, one, "%s", why.text);
         else if (one < 0)
-            mesh_note(m, "its materials \"%s\" are not read, it is grey: %s", shown, why.text);
+            mesh_note(m, "its materials \"%s\" cannot be read, so it is grey: %s", shown, why.text);
     }
     uint32_t without_uv = result >= 0 ? mtl_apply(m, &library, directory, size) : 0;
     if (without_uv && vertices == MESH_VERTICES_AS_WRITTEN)

@@ -381,7 +381,7 @@ static mrt_result assign_roles(ply_reader *r, const ply_element *e)
         const ply_property *property = &r->header.property[e->first_property + i];
         ply_role role = property->list_type ? ROLE_PASSED_OVER : known_role(property->name);
         if (role < ROLE_ATTRIBUTE && r->has_role[role])
-            return error_set(r->err, MRT_ERR_FORMAT, "property \"%s\" is there twice",
+            return error_set(r->err, MRT_ERR_FORMAT, "property \"%s\" appears twice",
                              property->name);
         if (role < ROLE_ATTRIBUTE) {
             r->has_role[role] = true;
@@ -599,7 +599,7 @@ static mrt_result read_body(ply_reader *r)
         mrt_result result;
         if (strcmp(e->name, "vertex") == 0) {
             if (has_vertices)
-                return error_set(r->err, MRT_ERR_FORMAT, "element \"vertex\" is there twice");
+                return error_set(r->err, MRT_ERR_FORMAT, "element \"vertex\" appears twice");
             has_vertices = true;
             result = assign_roles(r, e);
             if (result == MRT_OK)

@@ -9,7 +9,7 @@ extern "C" {
 #include <sstream>
 
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
-#error "glTF is little-endian: arrays are written as they are in memory"
+#error "glTF is little-endian: arrays are written without conversion"
 #endif
 
 namespace
@@ -204,7 +204,7 @@ std::string gltf_output_json(gltf_output &out)
     std::ostringstream stream;
     tinygltf::TinyGLTF writer;
     if (!writer.WriteGltfSceneToStream(&out.model, stream, false, false))
-        gltf_fail(MRT_ERR_MEMORY, "cannot make the glTF description");
+        gltf_fail(MRT_ERR_MEMORY, "cannot create the JSON of the glTF file");
     nlohmann::json json = nlohmann::json::parse(stream.str());
     json["buffers"] = nlohmann::json::array({{{"byteLength", out.binary_size}}});
     for (auto &member : json.items())

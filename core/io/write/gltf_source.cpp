@@ -287,7 +287,7 @@ void gltf_source::place_group(group &out, const tinygltf::Model &model, const gl
         }
     }
     if (!(off <= 1e-4 * size))
-        gltf_fail(MRT_ERR_UNSUPPORTED, "its surface is not the one that was performed");
+        gltf_fail(MRT_ERR_UNSUPPORTED, "its surface differs from the performed mesh");
     for (size_t i = 0; i < 3; ++i) {
         column[i].assign(plan.vertex_count * 3, 0.0f);
         for (size_t v = 0; v < plan.vertex_count; ++v)
@@ -326,7 +326,7 @@ void gltf_source::read_instances(const tinygltf::Model &model, const gltf_plan &
 {
     if (plan.vertex_count != m->vertex_count || plan.triangle_count != m->triangle_count)
         gltf_fail(MRT_ERR_UNSUPPORTED,
-                  "it has %zu vertices and %zu triangles, what was performed %u and %u",
+                  "it has %zu vertices and %zu triangles, but the performed mesh has %u and %u",
                   plan.vertex_count, plan.triangle_count, m->vertex_count, m->triangle_count);
     size_t vertex = 0;
     std::vector<bool> is_taken(model.meshes.size(), false);

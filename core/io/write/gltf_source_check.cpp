@@ -40,7 +40,7 @@ const ordered_json &list_at(const ordered_json &of, const char *key, const place
     if (found == of.end())
         return none;
     if (!found->is_array())
-        refuse({&at, key, 0}, "is no list");
+        refuse({&at, key, 0}, "is not a list");
     return *found;
 }
 
@@ -57,13 +57,13 @@ void for_each(const ordered_json &value, const char *pattern, const place &at, A
     const std::string name(pattern + 1, rest);
     if (name == "#") {
         if (!value.is_array())
-            refuse(at, "is no list");
+            refuse(at, "is not a list");
         for (size_t i = 0; i < value.size(); ++i)
             for_each(value[i], rest, {&at, nullptr, i}, action);
         return;
     }
     if (!value.is_object())
-        refuse(at, "is no object");
+        refuse(at, "is not an object");
     for (auto member = value.begin(); member != value.end(); ++member)
         if (name == "*" || name == member.key())
             for_each(*member, rest, {&at, member.key().c_str(), 0}, action);
@@ -209,7 +209,7 @@ void check_ranges(const ordered_json &document, const std::vector<size_t> &buffe
           "/bufferViews/#/extensions/KHR_meshopt_compression"})
         for_each(document, pattern, DOCUMENT, [&](const ordered_json &value, const place &at) {
             if (!value.is_object())
-                refuse(at, "is no object");
+                refuse(at, "is not an object");
             check_range(value, at, buffer_size);
         });
     const ordered_json &views = list_at(document, "bufferViews", DOCUMENT);
@@ -243,7 +243,7 @@ void check_weights(const ordered_json &of, const place &at, size_t target_count)
                          std::to_string(target_count) + " targets");
     for (const ordered_json &weight : weights)
         if (!weight.is_number() || !(std::fabs(weight.get<double>()) <= double{FLT_MAX}))
-            refuse(here, "are no numbers");
+            refuse(here, "are not all finite numbers");
 }
 
 size_t target_count_of(const ordered_json &mesh)
@@ -266,13 +266,13 @@ void check_mesh(const ordered_json &mesh, const place &at)
         if (attributes == primitives[i].end() || !attributes->contains("POSITION"))
             refuse(here, "has no POSITION");
         if (list_at(primitives[i], "targets", here).size() != target_count)
-            refuse(here, "has other targets than the first");
+            refuse(here, "does not have the same number of targets as the first primitive");
     }
     check_weights(mesh, at, target_count);
     auto extras = mesh.find("extras");
     const place of_extras = {&at, "extras", 0};
     if (extras != mesh.end() && !extras->is_object())
-        refuse(of_extras, "is no object: the names of targets are in it");
+        refuse(of_extras, "is not an object, but it must contain the target names");
     if (extras != mesh.end())
         (void)list_at(*extras, "targetNames", of_extras);
 }

@@ -480,7 +480,7 @@ std::vector<float> key_times(const clip *c)
         if (!std::isfinite(time_s[i]) || (i > 0 && !(time_s[i] > time_s[i - 1])))
             gltf_fail(MRT_ERR_UNSUPPORTED,
                       "frame %zu at %g frames per second: glTF's float32 times "
-                      "cannot tell it from the frame before",
+                      "cannot distinguish it from the previous frame",
                       i, clip_fps(c));
     }
     return time_s;
@@ -668,9 +668,9 @@ void write_clip(const char *path, performance &p, const gltf_options &options,
     if (!options.is_bare)
         open_source(to, p.report);
     if (!to.source && ends_in(path, ".vrm"))
-        gltf_fail(MRT_ERR_UNSUPPORTED, "%s: %s cannot be performed in its own file: %s", path,
+        gltf_fail(MRT_ERR_UNSUPPORTED, "%s: the performance cannot be added to %s: %s", path,
                   m->path ? m->path : "the face",
-                  p.report.why_bare.text[0] ? p.report.why_bare.text : "it is no .vrm");
+                  p.report.why_bare.text[0] ? p.report.why_bare.text : "it is not a .vrm file");
     if (!to.source)
         gltf_surface_begin(to.bare, to.surface);
     add_exact_targets(to, p);
