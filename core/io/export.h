@@ -38,8 +38,8 @@ typedef struct gltf_report {
 
 /* Writes a .glb.
  *
- * Source: if the mesh was read from a glTF or VRM file (mesh.path), that file is written, with
- * morph targets and the animation added to the meshes that they move. The rest of it is unchanged,
+ * Source: if the mesh was read from a glTF or VRM file (mesh.path), that file is written. Morph
+ * targets and the animation are added to the meshes that they move. The rest of it is unchanged,
  * and its own animations follow. Otherwise, or if the file has changed since, only the mesh is
  * written, with parts and materials.
  *

@@ -1,6 +1,6 @@
-/* io/read/mesh_frame.h - detects the unit and the axes of a mesh file if they are unknown, reports
- * them in the mesh's note, and converts the mesh to mm, up +y, forward +z. Does not cover the file
- * formats. Pure. */
+/* io/read/mesh_frame.h - detects the unit and the axes of a mesh file if they are unknown, and
+ * reports them in the mesh's note. Converts the mesh to mm, up +y, forward +z. Does not cover the
+ * file formats. Pure. */
 #ifndef MAROTTE_IO_MESH_FRAME_H
 #define MAROTTE_IO_MESH_FRAME_H
 #include "mesh/mesh.h"

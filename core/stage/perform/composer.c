@@ -392,7 +392,7 @@ static float joined_radius_mm(const composer *self)
 }
 
 /* Returns the pull of the lowest part that is not a pointer. NULL: no such part. */
-static const mrt_pull *joined_manner(const composer *self)
+static const mrt_pull *joined_solver_pull(const composer *self)
 {
     for (uint32_t i = 0; i < self->order_count; ++i) {
         const part_state *v = &self->state[self->order[i]];
@@ -491,7 +491,7 @@ static const joined_control *held_before(const composer *self, const joined_cont
     return NULL;
 }
 
-/* Finds the controls that pointers grip first in this step, and their positions in mm. The old
+/* Finds the controls that pointers begin to grip in this step, and their positions in mm. The old
  * engagement is still shown then. out_is_new: true for those controls. */
 static void find_grip_positions(composer *self, const holds *h, double *out_position,
                                 bool *out_is_new)
@@ -558,7 +558,7 @@ static void engage(composer *self, holds *h)
     error err = {""};
     face_control grip[MRT_MAX_VECTORS];
     float radius_mm = joined_radius_mm(self);
-    csrbf_settings settings = settings_of(self, radius_mm, joined_manner(self));
+    csrbf_settings settings = settings_of(self, radius_mm, joined_solver_pull(self));
     for (uint32_t k = 0; k < h->count; ++k) {
         h->control[k].start = start_of(self, &h->control[k]);
         grip[k] = (face_control){h->control[k].start, h->control[k].contact};

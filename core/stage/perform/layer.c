@@ -375,7 +375,7 @@ void layer_go_on(layer *self)
     reset_if_requested(self);
 }
 
-/* ---- kept ---- */
+/* ---- save and load ---- */
 
 bool layer_set_pointer(layer *self, const void *bytes, size_t size)
 {

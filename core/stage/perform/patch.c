@@ -146,7 +146,7 @@ double patch_curve(double share, double bend, double ease)
     return eased(bent(at, bend), ease);
 }
 
-/* Returns -1..1 if the range contains 0 in its inside, else 0..1. */
+/* Returns -1..1 if 0 is inside the range, else 0..1. */
 static double share_of(const double in[2], double raw, bool *out_has_middle)
 {
     *out_has_middle = in[0] < 0.0 && in[1] > 0.0;

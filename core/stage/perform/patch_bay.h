@@ -65,7 +65,7 @@ bool patch_bay_set(patch_bay *self, patch_plan *plan, patch_plan **out_old);
  * from the last one, the parameters are looked up again. below: the last pull of the mapping. */
 void patch_bay_step(patch_bay *self, const mrt_frame *frame, const mrt_plugin_type *mapping,
                     const double *own, const mrt_pull *below);
-/* Writes the parameters with the patch applied to `out`. */
+/* Applies the patch to the parameters `own` and writes the result to `out`. */
 void patch_bay_params(const patch_bay *self, const double *own, double *out);
 /* Returns the weight of `pull`, 0..1; `leaving` has the rest. */
 double patch_bay_weight(const patch_bay *self);

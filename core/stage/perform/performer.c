@@ -150,8 +150,8 @@ static uint32_t pointer_parts(const layer *of, const composer_part *as, composer
     return part_count;
 }
 
-/* Lists the parts of a voice: the pull of its mapping, the pull that fades out, the pulls of the
- * patch, and those of the pointer for contacts and for other points of the skin. */
+/* Lists the parts of a voice: the pulls of its mapping (current and fading out), its patch and its
+ * pointer. The pointer has separate parts for contacts and for other points of the skin. */
 static uint32_t parts_of(performer *self, uint32_t index, bool is_fresh, int64_t now_ns,
                          composer_part out[PERFORMER_PARTS_MAX])
 {

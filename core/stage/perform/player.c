@@ -63,7 +63,7 @@ static mrt_result draw_newest(player_loop *self, int64_t now_ns, error *err)
     double behind_s = (double)(now_ns - self->start_ns) / 1e9;
     uint32_t due = (uint32_t)fmax(floor(behind_s * self->settings.fps), 0.0);
     if (frame_time_ns(self, due + 1) <=
-        now_ns) /* corrects rounding, which can be one frame short */
+        now_ns) /* exact; the rounded value can be one frame short */
         due += 1;
     self->report.frame_count = due;
     self->is_wanted = false;

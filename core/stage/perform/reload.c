@@ -118,7 +118,7 @@ struct reload {
     _Atomic uint32_t taken_count, refused_count;
     _Atomic int64_t last_ns;
     _Atomic uintptr_t pulling; /* the current instance, for [main] */
-    _Atomic uintptr_t known;   /* instance that [main] got last */
+    _Atomic uintptr_t known;   /* last instance that reload_current returned */
 
     instance *current;           /* performs now */
     version *version;            /* version of `current`; NULL: the caller's instance */
