@@ -777,7 +777,7 @@ void gltf_fail(mrt_result code, const char *format, ...)
 const tinygltf::Accessor &gltf_accessor_at(const tinygltf::Model &model, int index)
 {
     if (index < 0 || (size_t)index >= model.accessors.size())
-        gltf_fail(MRT_ERR_FORMAT, "accessor %d is used, but there are %zu", index,
+        gltf_fail(MRT_ERR_FORMAT, "accessor %d is used, but the file has %zu", index,
                   model.accessors.size());
     return model.accessors[(size_t)index];
 }

@@ -207,7 +207,7 @@ class material_reader
         if (index < 0)
             return out;
         if ((size_t)index >= model_.textures.size())
-            gltf_fail(MRT_ERR_FORMAT, "a material names texture %d, but there are %zu", index,
+            gltf_fail(MRT_ERR_FORMAT, "a material names texture %d, but the file has %zu", index,
                       model_.textures.size());
         const value &transform = extension(extensions, "KHR_texture_transform");
         if ((int)gltf_whole(gltf_member(transform, "texCoord"), uv_set) != material_uv_set) {

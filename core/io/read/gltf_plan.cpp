@@ -154,7 +154,7 @@ class planner
         size_t vertex_count = mesh.groups[found->second].vertex_count;
         size_t triangle_count = triangles_of(primitive, vertex_count);
         if (primitive.material >= (int)model_.materials.size())
-            gltf_fail(MRT_ERR_FORMAT, "a primitive has material %d, but there are %zu",
+            gltf_fail(MRT_ERR_FORMAT, "a primitive has material %d, but the file has %zu",
                       primitive.material, model_.materials.size());
         plan_.needs_default_material |= primitive.material < 0;
         if (primitive.material >= 0)

@@ -74,7 +74,7 @@ gltf_transform transform_of_node(const tinygltf::Node &node, int index)
 void check_node_index(const tinygltf::Model &model, int index, const char *where)
 {
     if (index < 0 || (size_t)index >= model.nodes.size())
-        gltf_fail(MRT_ERR_FORMAT, "%s names node %d, but there are %zu", where, index,
+        gltf_fail(MRT_ERR_FORMAT, "%s names node %d, but the file has %zu", where, index,
                   model.nodes.size());
 }
 
@@ -102,7 +102,7 @@ std::vector<int> find_roots(const tinygltf::Model &model)
     }
     size_t scene = model.defaultScene < 0 ? 0 : (size_t)model.defaultScene;
     if (scene >= model.scenes.size())
-        gltf_fail(MRT_ERR_FORMAT, "scene %zu does not exist: there are %zu", scene,
+        gltf_fail(MRT_ERR_FORMAT, "scene %zu does not exist: the file has %zu", scene,
                   model.scenes.size());
     for (int root : model.scenes[scene].nodes) {
         check_node_index(model, root, "the scene");
@@ -128,7 +128,7 @@ void push_reversed(std::vector<pending_node> &stack, const std::vector<int> &nod
 const std::string &mesh_name(const tinygltf::Model &model, int mesh)
 {
     if ((size_t)mesh >= model.meshes.size())
-        gltf_fail(MRT_ERR_FORMAT, "a node names mesh %d, but there are %zu", mesh,
+        gltf_fail(MRT_ERR_FORMAT, "a node names mesh %d, but the file has %zu", mesh,
                   model.meshes.size());
     return model.meshes[(size_t)mesh].name;
 }
@@ -200,14 +200,14 @@ std::vector<std::string> humanoid_roles(const tinygltf::Model &model)
 const tinygltf::Skin &skin_at(const tinygltf::Model &model, int index)
 {
     if ((size_t)index >= model.skins.size())
-        gltf_fail(MRT_ERR_FORMAT, "a node names skin %d, but there are %zu", index,
+        gltf_fail(MRT_ERR_FORMAT, "a node names skin %d, but the file has %zu", index,
                   model.skins.size());
     const tinygltf::Skin &skin = model.skins[(size_t)index];
     if (skin.joints.empty())
         gltf_fail(MRT_ERR_FORMAT, "skin %d has no joints", index);
     for (int joint : skin.joints)
         if (joint < 0 || (size_t)joint >= model.nodes.size())
-            gltf_fail(MRT_ERR_FORMAT, "skin %d names node %d, but there are %zu", index, joint,
+            gltf_fail(MRT_ERR_FORMAT, "skin %d names node %d, but the file has %zu", index, joint,
                       model.nodes.size());
     return skin;
 }

@@ -194,7 +194,7 @@ mrt_result mesh_build_corner(mesh_build *b, int64_t vertex, error *err)
 {
     if (vertex < 0 || (uint64_t)vertex >= b->vertex_count)
         return error_set(err, MRT_ERR_FORMAT,
-                         "a face uses vertex %lld (counted from 0), but there are %zu",
+                         "a face uses vertex %lld (counted from 0), but %zu are defined so far",
                          (long long)vertex, b->vertex_count);
     mrt_result result = mesh_build_grow((void **)&b->corner, &b->corner_capacity,
                                         b->corner_count + 1, sizeof *b->corner, err);
