@@ -9,8 +9,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Index of a frame's numbers in clip.number; NOT_SAID: it has none. */
-static const size_t NOT_SAID = SIZE_MAX;
+/* Index of a frame's numbers in clip.number; NO_NUMBERS: none. */
+static const size_t NO_NUMBERS = SIZE_MAX;
 
 typedef struct clip_frame {
     int32_t segment;      /* -1: free */
@@ -82,13 +82,13 @@ static mrt_result add_frame(clip *c, int32_t segment, error *err)
     c->frame = frame;
     c->frame[c->frame_count++] = (clip_frame){.segment = segment,
                                               .pull_segment = -1,
-                                              .first_vector = NOT_SAID,
-                                              .first_control = NOT_SAID,
-                                              .first_value = NOT_SAID,
-                                              .first_pulled = NOT_SAID,
-                                              .first_pose = NOT_SAID,
-                                              .first_arkit = NOT_SAID,
-                                              .first_joint = {NOT_SAID, NOT_SAID}};
+                                              .first_vector = NO_NUMBERS,
+                                              .first_control = NO_NUMBERS,
+                                              .first_value = NO_NUMBERS,
+                                              .first_pulled = NO_NUMBERS,
+                                              .first_pose = NO_NUMBERS,
+                                              .first_arkit = NO_NUMBERS,
+                                              .first_joint = {NO_NUMBERS, NO_NUMBERS}};
     return MRT_OK;
 }
 
@@ -117,7 +117,8 @@ static mrt_result append_numbers(clip *c, const double *number, size_t count, si
     return MRT_OK;
 }
 
-/* width: numbers of one control, column, bone ...; all of them must be finite. */
+/* Appends `count` items of `width` numbers: controls, columns, bones and others. All must be
+ * finite. */
 static mrt_result add_numbers(clip *c, const double *number, uint32_t count, uint32_t width,
                               const char *what, size_t *out_first, error *err)
 {
@@ -130,7 +131,7 @@ static mrt_result add_numbers(clip *c, const double *number, uint32_t count, uin
 
 static const double *numbers_from(const clip *c, size_t first)
 {
-    return first != NOT_SAID ? c->number + first : NULL;
+    return first != NO_NUMBERS ? c->number + first : NULL;
 }
 
 static mrt_result open_temporary(clip *c, error *err)
@@ -247,7 +248,7 @@ static void segment_finish(clip_segment *segment)
     *segment = (clip_segment){0};
 }
 
-/* A copy of `size` bytes, at least one byte long. */
+/* Returns a copy of `size` bytes. Allocates at least one byte. */
 static void *copy_of(const void *data, size_t size)
 {
     void *copy = malloc(size + 1);
@@ -491,7 +492,7 @@ mrt_result clip_add_named(clip *c, const double *value, const double *pulled, er
     if (c->frame_count == 0 || (pulled && c->segment_count == 0))
         return error_set(err, MRT_ERR_ARGUMENT, "values need a frame, pulls a segment");
     clip_frame *frame = newest_frame(c);
-    size_t first_value = NOT_SAID, first_pulled = NOT_SAID;
+    size_t first_value = NO_NUMBERS, first_pulled = NO_NUMBERS;
     uint32_t pull_count = pulled ? c->segment[c->segment_count - 1].pull_count : 0;
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; i < c->curve_count && result == MRT_OK; ++i)
@@ -730,12 +731,12 @@ clip *clip_split(const clip *c, clip_remainder *out, error *err)
     if (result >= 0)
         result = clip_begin_segment(left, c->mesh->position, NULL, NULL, 0, err);
     for (uint32_t i = 0; i < c->frame_count && result >= 0; ++i) {
-        if (c->frame[i].first_value == NOT_SAID && c->frame[i].segment >= 0) {
+        if (c->frame[i].first_value == NO_NUMBERS && c->frame[i].segment >= 0) {
             result = clip_add_anchored(left, NULL, err);
             continue;
         }
         result = clip_read(c, i, position, err);
-        if (result >= 0 && c->frame[i].first_value != NOT_SAID) {
+        if (result >= 0 && c->frame[i].first_value != NO_NUMBERS) {
             clip_read_named(c, i, named);
             double furthest_mm = leave_remainder(c, position, named);
             out->furthest_mm = fmax(out->furthest_mm, furthest_mm);

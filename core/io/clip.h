@@ -3,8 +3,9 @@
  * is exact and small. Free frames store vertex positions, in an unlinked temporary file instead of
  * memory. A frame may also have a named part that users can edit: the values of the clip's curves,
  * and the pulls of its segment's controls. The shape of the named part is close to the shape of the
- * frame; the difference is the remainder. Leaves out the file formats (export.h). Vertices are in
- * the order of the mesh file, in mm. Values that are not finite are refused. One thread at a time.
+ * frame; the difference is the remainder. Does not cover the file formats (export.h). Vertices are
+ * in the order of the mesh file, in mm. Values that are not finite are refused. One thread at a
+ * time.
  * */
 #ifndef MAROTTE_IO_CLIP_H
 #define MAROTTE_IO_CLIP_H
@@ -21,10 +22,10 @@ typedef struct clip_segment { /* an anchored engagement */
     uint32_t pull_count;
 } clip_segment;
 
-typedef struct clip_pull { /* what a control of the segment moves */
+typedef struct clip_pull { /* effect of one control of the segment */
     char *name;            /* "mouth.corner.l" */
-    double place_mm[3];    /* where it takes hold of the face */
-    float *response;       /* vertex_count: of how far it is pulled; NULL: not kept */
+    double place_mm[3];    /* gripped point of the face */
+    float *response;       /* vertex_count: share of the pull that moves each vertex; NULL: none */
 } clip_pull;
 
 typedef struct clip_bone { /* a bone that rotates; its parent comes before it */
@@ -38,9 +39,9 @@ typedef struct clip_curve { /* a number in each frame */
     char *name;             /* "jaw.open" */
     char *unit;             /* "rad", "mm"; "": none */
     double min, max;        /* min <= 0 <= max */
-    float *at_min, *at_max; /* vertex_count by 3: what it moves, mm from rest, at min and at max; in
-                               between so much of it; NULL: nothing */
-    bool is_own;            /* at_max is what the mesh's own target of that name is, in its file */
+    float *at_min, *at_max; /* vertex_count by 3: offsets from rest at min and at max, mm; scaled
+                               linearly in between; NULL: none */
+    bool is_own;            /* at_max equals the target of that name in the mesh's own file */
 } clip_curve;
 
 typedef struct clip clip;
@@ -135,9 +136,9 @@ double clip_curve_part(const clip_curve *curve, double value);
 const double *clip_pulled(const clip *c, uint32_t frame, uint32_t *out_segment);
 
 typedef struct clip_remainder {  /* the remainder of frames with a named part */
-    double furthest_mm, mean_mm; /* of the vertex furthest from its position, in the worst frame;
-                                    over the frames */
-    double loose_mm;             /* likewise, in free frames in which nothing is pulled: clay */
+    double furthest_mm, mean_mm; /* largest error of a vertex in any frame; mean over the frames of
+                                    the largest error */
+    double loose_mm;             /* furthest_mm of the free frames without pulls: clay */
 } clip_remainder;
 /* Returns a clip of the remainders: the rest shape, moved by the difference between each frame and
  * its named part. Anchored frames without a named part stand still. Destroy it before c. */

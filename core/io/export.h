@@ -1,5 +1,5 @@
 /* io/export.h - writes clips and meshes in the formats of other tools. A file is written beside its
- * target and then renamed: it is complete or absent. Positions must be finite. Leaves out the
+ * target and then renamed: it is complete or absent. Positions must be finite. Does not cover the
  * choice of formats (export_formats.h). [main] or a worker. */
 #ifndef MAROTTE_IO_EXPORT_H
 #define MAROTTE_IO_EXPORT_H
@@ -11,33 +11,35 @@ typedef struct export_progress { /* optional progress callback, called repeatedl
 } export_progress;
 
 typedef struct gltf_options {
-    double tolerance_mm; /* greatest vertex error of free frames, and of those with a named part; 0:
-                            0.1 % of the face's height, and a tenth of that where all frames have
-                            one and what is left is not clay; at least 1e-6 of its size, which is
-                            what float32 can show */
-    uint32_t max_targets; /* for free frames, in all; 0: as many as the tolerance needs, within the
-                             limits of components.h */
+    double tolerance_mm;  /* maximum vertex error of free frames and of frames with a named part. 0:
+                             0.1 % of the face's height, or a tenth of that if all frames have a
+                             named part and the remainder is not clay. At least 1e-6 of the size, the
+                             limit of float32 */
+    uint32_t max_targets; /* for all free frames together; 0: the number that the tolerance needs,
+                             within the limits of components.h */
     const char *name;     /* name of the animation; NULL: "performance" */
     bool is_bare;         /* writes only the mesh, even if it was read from a glTF or VRM file */
 } gltf_options;
 
 typedef struct gltf_report {
-    uint32_t target_count, exact_target_count; /* exact: also those of a named part */
-    uint32_t component_count; /* all others: components for free frames and bases of windows */
-    uint32_t window_count;    /* of free frames; 0 without any */
-    double remainder_mm, mean_remainder_mm; /* of clip_split; 0 where no frame has a named part */
-    double max_error_mm; /* over all free frames, measured on what is written; 0 without any */
-    double tolerance_mm; /* that was aimed at; max_error_mm is above it only where a limit on the
-                            number of components came first */
+    uint32_t target_count,
+        exact_target_count; /* exact_target_count includes those of a named part */
+    uint32_t
+        component_count; /* number of other targets: components for free frames, bases of windows */
+    uint32_t window_count;                  /* of free frames; 0: no free frames */
+    double remainder_mm, mean_remainder_mm; /* from clip_split; 0: no frame has a named part */
+    double max_error_mm; /* over all free frames, measured on the written data; 0: no free frames */
+    double tolerance_mm; /* tolerance used; max_error_mm exceeds it only if the number of components
+                            reached a limit */
     uint64_t byte_count;
-    error
-        why_bare; /* the source file could not be used, so the mesh is there alone; "" it is not */
+    error why_bare; /* reason why the source file was not used and only the mesh was written; "": it
+                       was used */
 } gltf_report;
 
 /* Writes a .glb.
  *
- * Source: if the mesh was read from a glTF or VRM file (mesh.path), that file is written, with
- * morph targets and the animation added to the meshes that they move. The rest of it is unchanged,
+ * Source: if the mesh was read from a glTF or VRM file (mesh.path), that file is written. Morph
+ * targets and the animation are added to the meshes that they move. The rest of it is unchanged,
  * and its own animations follow. Otherwise, or if the file has changed since, only the mesh is
  * written, with parts and materials.
  *

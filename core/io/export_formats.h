@@ -3,7 +3,7 @@
 #ifndef MAROTTE_IO_EXPORT_FORMATS_H
 #define MAROTTE_IO_EXPORT_FORMATS_H
 
-/* X(format, how a name ends, the format's name, what it holds, what it cannot hold) */
+/* X(format, file extension, name of the format, contents, missing contents) */
 #define EXPORTS_FORMATS(X)                                                                         \
     X(GLB, ".glb", "glTF, for Blender, Unity, Unreal (.glb)",                                      \
       "the face with all that its file has, and its motion", "hands, sound")                       \
@@ -28,7 +28,7 @@
       "ARKit's shapes, as the app records them", "the mesh")                                       \
     X(PNG, ".png", "Contact sheet (.png)", "eight moments in one picture", "motion")
 
-/* For --help: a line each. */
+/* Lines for --help, one per format. */
 #define EXPORTS_HELP_LINE(format, ending, name, holds, lacks)                                      \
     "      " ending "   " holds "; not: " lacks "\n"
 #define EXPORTS_HELP EXPORTS_FORMATS(EXPORTS_HELP_LINE)

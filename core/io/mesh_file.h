@@ -14,15 +14,15 @@
 CHECKED mrt_result mesh_file_read(mesh *out, const char *path, const mesh_frame *frame, error *err);
 
 /* Parsers. Coordinates are unchanged (mm_per_unit = 1). Errors do not contain the file name. */
-/* `directory` (with its last '/'): folder of materials and pictures; NULL: none are read. */
+/* `directory` (with its last '/'): folder of materials and pictures; NULL: they are skipped. */
 CHECKED mrt_result obj_parse(mesh *out, const void *data, size_t size, const char *directory,
                              mesh_vertices vertices, error *err);
 CHECKED mrt_result ply_parse(mesh *out, const void *data, size_t size, error *err);
 CHECKED mrt_result off_parse(mesh *out, const void *data, size_t size, error *err);
-/* glTF 2.0, .glb or .gltf, VRM 0 and 1; `directory` (with its last '/') is where external buffers
- * may be; NULL: none allowed. Node transforms and skins applied, Draco and meshopt decoded (in the
- * child process). One part per primitive, named by its extras.name when that is a text (as
- * gltf_write_mesh leaves it), else by the node, else by the mesh. */
+/* glTF 2.0, .glb or .gltf, VRM 0 and 1; `directory` (with its last '/') is the folder of external
+ * buffers; NULL: they are refused. Applies node transforms and skins. Decodes Draco and meshopt (in
+ * the child process). One part per primitive, named by its extras.name if it is a string
+ * (gltf_write_mesh writes it), else by the node, else by the mesh. */
 CHECKED mrt_result gltf_parse(mesh *out, const void *data, size_t size, const char *directory,
                               error *err);
 

@@ -50,7 +50,7 @@ patch_of 1 >whole.json
 patch_of 0.3 >less.json
 perform patched head.rig.json --input log:face.csv --patch whole.json --record patched.marotte
 perform less head.rig.json --input log:face.csv --patch less.json
-grep -q 'the head has no shape, the rig no pose "no such shape"' patched.err || fail "what is missing is not said: $(cat patched.err)"
+grep -q 'the head has no shape and the rig no pose "no such shape"' patched.err || fail "what is missing is not said: $(cat patched.err)"
 [ "$(grep -c 'note: patch' patched.err)" = 1 ] || fail "a shape is not found: $(cat patched.err)"
 cmp -s patched.pc2 shaped.pc2 && fail "a patched shape moves nothing"
 [ "$(fact folds patched.txt)" = 0 ] || fail "patched: $(fact folds patched.txt) folds"

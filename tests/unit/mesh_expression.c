@@ -107,7 +107,7 @@ static void nonsense_is_no_harm(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         mesh m = read_with(cases[i].extension);
         assert_int_equal(m.expression_count, 0);
-        assert_int_equal(m.note && strstr(m.note, "expressions name are not there"),
+        assert_int_equal(m.note && strstr(m.note, "expressions name do not exist"),
                          cases[i].is_told);
         mesh_destroy(&m);
     }

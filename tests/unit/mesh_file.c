@@ -132,15 +132,15 @@ static void the_unit_is_guessed_from_the_height(void **state)
     static const struct {
         const char *height, *note;
         double mm_per_unit;
-    } cases[] = {{"0.25", "taken for m: so the height is 250 mm", 1000.0},
-                 {"25", "taken for cm: so the height is 250 mm", 10.0},
-                 {"250", "taken for mm: so the height is 250 mm", 1.0},
-                 {"700", "taken for mm", 1.0},
-                 {"1", "a unit is taken for 300 mm", 300.0},
-                 {"2", "which is no head's height", 150.0},
-                 {"0.001", "no head's height in mm, cm or m", 300000.0},
-                 {"5", "so the height is 300 mm", 60.0},
-                 {"5000", "no head's", 0.06}};
+    } cases[] = {{"0.25", "assumed unit: m, which makes the height 250 mm", 1000.0},
+                 {"25", "assumed unit: cm, which makes the height 250 mm", 10.0},
+                 {"250", "assumed unit: mm, which makes the height 250 mm", 1.0},
+                 {"700", "assumed unit: mm", 1.0},
+                 {"1", "Assumed unit: 300 mm", 300.0},
+                 {"2", "does not fit a head", 150.0},
+                 {"0.001", "does not fit a head in mm, cm or m", 300000.0},
+                 {"5", "which makes the height 300 mm", 60.0},
+                 {"5000", "not fit a head", 0.06}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         char text[128];
         (void)snprintf(text, sizeof text, OBJ, cases[i].height);

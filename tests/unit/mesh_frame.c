@@ -53,8 +53,8 @@ static void a_head_with_z_upwards_is_turned(void **state)
     assert_int_equal(m.up, MESH_AXIS_Z);
     assert_int_equal(m.forward, MESH_AXIS_MINUS_Y);
     assert_same_shape(&original, &m, 0.001);
-    assert_non_null(strstr(m.note, "up z, forward -y (by its shape)"));
-    assert_non_null(strstr(m.note, "taken for m: so the height is 300 mm"));
+    assert_non_null(strstr(m.note, "up z, forward -y (from its shape)"));
+    assert_non_null(strstr(m.note, "assumed unit: m, which makes the height 300 mm"));
     mesh_destroy(&m);
     mesh_destroy(&original);
 }
@@ -110,7 +110,7 @@ static void what_is_said_holds(void **state)
     assert_null(m.note);
     const mesh_frame line = {.mm_per_unit = 0.25, .up = MESH_AXIS_X, .forward = MESH_AXIS_MINUS_X};
     assert_true(mesh_frame_apply(&m, &line, 1000.0, &err) < 0);
-    assert_non_null(strstr(err.text, "--up x and --forward -x are one line"));
+    assert_non_null(strstr(err.text, "--up x and --forward -x are on one line"));
     mesh_destroy(&m);
     mesh_destroy(&original);
 }
@@ -166,7 +166,7 @@ static void a_skeleton_says_where_a_face_looks(void **state)
     assert_int_equal(mesh_frame_apply(&m, &(mesh_frame){0}, 1.0, &err), MRT_OK);
     assert_int_equal(m.up, MESH_AXIS_Y);
     assert_int_equal(m.forward, MESH_AXIS_MINUS_Z);
-    assert_non_null(strstr(m.note, "by its skeleton"));
+    assert_non_null(strstr(m.note, "from its skeleton"));
     assert_true(m.joint[2].rest[3] == 60.0f && m.joint[4].rest[11] == 8.0f);
     assert_true(m.position[0] == -original.position[0] && m.position[2] == -original.position[2]);
     mesh_destroy(&m);

@@ -218,9 +218,9 @@ static void a_picture_that_cannot_be_had_is_told(void **state)
         {"'textures':[{'source':0}],'images':[{'uri':'/etc/passwd'}]", "only files beside"},
         {"'textures':[{'source':0}],'images':[{'uri':'http://a/b.png'}]", "only files beside"},
         {"'textures':[{'source':0}],'images':[{'uri':'data:image/png;base64,'}]", "data URI"},
-        {"'textures':[{'source':0}],'images':[{'bufferView':99}]", "bufferView is not there"},
-        {"'textures':[{'source':7}]", "its picture is not there"},
-        {"'textures':[{}]", "its picture is not there"}};
+        {"'textures':[{'source':0}],'images':[{'bufferView':99}]", "bufferView does not exist"},
+        {"'textures':[{'source':7}]", "its picture is missing"},
+        {"'textures':[{}]", "its picture is missing"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         char rest[1024];
         mesh m;

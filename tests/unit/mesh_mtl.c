@@ -225,10 +225,10 @@ static void a_head_without_its_materials_is_grey(void **state)
     (void)state;
     static const struct {
         const char *names, *note;
-    } cases[] = {{"gone.mtl", "its materials \"gone.mtl\" are not read, it is grey: "},
+    } cases[] = {{"gone.mtl", "its materials \"gone.mtl\" cannot be read, so it is grey: "},
                  {"../outside.mtl", "is not in the folder of the file that names it"},
-                 {"", "that is not the name of a file"},
-                 {"head.mtl", "1 of its materials are in no file of materials, the first is "
+                 {"", "that is not a file name"},
+                 {"head.mtl", "1 of its materials are not in any material file, the first is "
                               "\"skin\": they are grey"}};
     put("head/head.mtl", "newmtl Skin\nKd 1 0 0\n");
     put("outside.mtl", "newmtl skin\nKd 1 0 0\n");

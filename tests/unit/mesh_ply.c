@@ -236,9 +236,9 @@ static void malformed_files_are_refused(void **state)
          "no x, y and z"},
         {TEXT "element vertex 3\nproperty float x\nproperty float x\nproperty float z\n" FACE
               "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
-         "\"x\" is there twice"},
+         "\"x\" appears twice"},
         {TEXT VERTEX VERTEX FACE "end_header\n0 0 0\n1 0 0\n0 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
-         "\"vertex\" is there twice"},
+         "\"vertex\" appears twice"},
         {TEXT VERTEX FACE "end_header\n0 0 0\n1 0 nan\n0 1 0\n3 0 1 2\n",
          "line 11: a finite number was expected, \"nan\""},
         {TEXT VERTEX FACE "end_header\n0 0 0\n1 0 1e39\n0 1 0\n3 0 1 2\n",
@@ -254,7 +254,7 @@ static void malformed_files_are_refused(void **state)
         {TEXT VERTEX "element face 1\nproperty list uchar float vertex_indices\nend_header\n"
                      "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
          "must be whole numbers"},
-        {TEXT FACE VERTEX "end_header\n3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n", "but 0 are there"}};
+        {TEXT FACE VERTEX "end_header\n3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n", "but 0 are defined so far"}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i)
         assert_refused(bad[i].text, strlen(bad[i].text), bad[i].reason);
 }

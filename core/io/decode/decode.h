@@ -1,6 +1,6 @@
 /* io/decode/decode.h - jobs for the decoders of other libraries, on untrusted bytes: Draco,
  * meshopt, PNG and JPEG. They run only in marotte-meshload (started by decode_run), one job after
- * the other. This file defines the jobs and their answers. Leaves out the source of the bytes.
+ * the other. This file defines the jobs and their answers.
  * Threads: see decode_run. */
 #ifndef MAROTTE_IO_DECODE_H
 #define MAROTTE_IO_DECODE_H
@@ -20,7 +20,7 @@ enum { DECODE_ATTRIBUTES_MAX = 16 };
 
 typedef struct decode_attribute { /* of a Draco mesh */
     uint32_t id;
-    uint32_t component_type; /* glTF's number */
+    uint32_t component_type; /* number of the type in glTF */
     uint32_t component_count;
 } decode_attribute;
 

@@ -13,9 +13,9 @@ namespace
 {
 
 const uint32_t BYTE = 5120, UNSIGNED_BYTE = 5121, SHORT = 5122, UNSIGNED_SHORT = 5123,
-               UNSIGNED_INT = 5125, FLOAT = 5126; /* glTF's numbers */
+               UNSIGNED_INT = 5125, FLOAT = 5126; /* numbers of the types in glTF */
 
-/* One vertex after the other, packed. */
+/* Writes the values vertex by vertex, without padding. */
 template <class T>
 bool write_values(unsigned char *&at, const draco::Mesh &mesh, const draco::PointAttribute &source,
                   uint32_t component_count)

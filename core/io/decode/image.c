@@ -20,7 +20,7 @@ static mrt_result check_size(uint64_t width, uint64_t height, size_t file_size, 
     enum { SIDE_MAX = 16384 };
     if (width == 0 || height == 0 || width > SIDE_MAX || height > SIDE_MAX)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "it has %llu x %llu pixels: 1 to %d each are read",
+                         "it has %llu x %llu pixels: each side must be 1 to %d",
                          (unsigned long long)width, (unsigned long long)height, SIDE_MAX);
     budget b = budget_of(BUDGET_IMAGE, file_size);
     return budget_spend_bytes(&b, width * height * 4, err);

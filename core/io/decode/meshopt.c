@@ -4,7 +4,7 @@
 #include <meshoptimizer.h>
 #include <stdlib.h>
 
-/* Checks the combination of mode and filter, which the library only asserts. */
+/* Checks the combination of mode and filter, which the library checks only with assert. */
 static bool is_sensible(const decode_order *order)
 {
     uint32_t stride = order->stride;
@@ -64,8 +64,8 @@ mrt_result meshopt_decode(void **out_data, size_t *out_size, const decode_order 
     *out_data = NULL;
     *out_size = decode_answer_size(order);
     if (*out_size == 0 || !is_sensible(order))
-        return error_set(err, MRT_ERR_FORMAT,
-                         "its mode, filter and byteStride %u do not fit each other", order->stride);
+        return error_set(err, MRT_ERR_FORMAT, "its mode, filter and byteStride %u do not match",
+                         order->stride);
     void *out = calloc(*out_size, 1);
     if (!out)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the buffer");

@@ -1,4 +1,4 @@
-/* The child's side of decode.h: jobs in, answers out. */
+/* The child process of decode.h: reads jobs and writes answers. */
 #include "io/decode/decode.h"
 
 #include <stdlib.h>
@@ -21,8 +21,8 @@ static mrt_result decode(void **out_data, size_t *out_size, const decode_order *
     return error_set(err, MRT_ERR_ARGUMENT, "unknown decoder %d", (int)order->kind);
 }
 
-/* An answer: 1 and the size and the bytes, or 0 and the length and the words of a reason. */
-static void put(FILE *answer, uint64_t is_done, const void *data, uint64_t size)
+/* Writes an answer: 1, the size and the bytes; or 0, the length and the text of a reason. */
+static void write_answer(FILE *answer, uint64_t is_done, const void *data, uint64_t size)
 {
     const uint64_t head[2] = {is_done, size};
     (void)fwrite(head, sizeof *head, 2, answer);
@@ -45,9 +45,9 @@ bool decode_serve(FILE *request, FILE *answer)
             return false;
         }
         if (data && decode(&out, &out_size, &order, data, (size_t)size, &failed) == MRT_OK)
-            put(answer, 1, out, out_size);
+            write_answer(answer, 1, out, out_size);
         else
-            put(answer, 0, failed.text, strlen(failed.text));
+            write_answer(answer, 0, failed.text, strlen(failed.text));
         free(out);
         free(data);
     }

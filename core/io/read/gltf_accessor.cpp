@@ -6,7 +6,7 @@
 namespace
 {
 
-/* Bytes; 0: not allowed in glTF. */
+/* Returns the size in bytes; 0: not a glTF type. */
 size_t size_of(int component_type)
 {
     switch (component_type) {
@@ -42,7 +42,7 @@ size_t components_of(int type)
     }
 }
 
-/* glTF is little-endian, and so is every machine that this runs on. */
+/* glTF is little-endian, like every machine that this program supports. */
 template <class T> T load(const unsigned char *at)
 {
     T value;
@@ -100,10 +100,10 @@ gltf_array gltf_accessor::find(int view_index, size_t offset, size_t element_siz
                                size_t component_size) const
 {
     if (view_index < 0 || (size_t)view_index >= model_.bufferViews.size())
-        fail("its bufferView is not there");
+        fail("its bufferView does not exist");
     const tinygltf::BufferView &view = model_.bufferViews[(size_t)view_index];
     if (view.buffer < 0 || (size_t)view.buffer >= model_.buffers.size())
-        fail("the buffer of its bufferView is not there");
+        fail("the buffer of its bufferView does not exist");
     const std::vector<unsigned char> &bytes = model_.buffers[(size_t)view.buffer].data;
     if (view.byteOffset > bytes.size() || view.byteLength > bytes.size() - view.byteOffset)
         fail("its bufferView goes past the end of the buffer");
@@ -132,7 +132,7 @@ void gltf_accessor::check_sparse()
                            count, index_size);
 }
 
-/* Kept out of the constructor: its time depends on the count. */
+/* Separate from the constructor because its time depends on the count. */
 void gltf_accessor::check_sparse_indices() const
 {
     for (size_t i = 0; sparse_indices_.at && i < (size_t)accessor_.sparse.count; ++i) {
@@ -149,7 +149,7 @@ uint32_t gltf_accessor::sparse_index(size_t i) const
                       accessor_.sparse.indices.componentType);
 }
 
-/* glTF 2.0, section 3.11: normalised whole numbers. */
+/* glTF 2.0, section 3.11: normalised integers. */
 float gltf_accessor::number(const unsigned char *at) const
 {
     double value = 0.0, full = 1.0;

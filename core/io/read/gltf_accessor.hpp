@@ -1,6 +1,6 @@
-/* io/read/gltf_accessor.hpp - the numbers behind a glTF accessor. Construction checks where
- * everything lies that the accessor points to, so that reading cannot leave the buffers. Private to
- * the glTF reader; failures are gltf_failure. */
+/* io/read/gltf_accessor.hpp - the numbers of a glTF accessor. The constructor checks all ranges
+ * that the accessor refers to, so that reads stay within the buffers. Private to the glTF reader;
+ * failures are gltf_failure. */
 #ifndef MAROTTE_IO_GLTF_ACCESSOR_HPP
 #define MAROTTE_IO_GLTF_ACCESSOR_HPP
 #include "io/read/gltf_load.hpp"
@@ -8,9 +8,9 @@
 #include <cstdint>
 #include <vector>
 
-const size_t GLTF_COUNT_MAX = (size_t)1 << 24; /* elements of an accessor */
+const size_t GLTF_COUNT_MAX = (size_t)1 << 24; /* maximum number of elements of an accessor */
 
-struct gltf_array { /* elements somewhere in a buffer */
+struct gltf_array { /* elements in a buffer */
     const unsigned char *at;
     size_t stride; /* bytes */
 };
@@ -18,7 +18,7 @@ struct gltf_array { /* elements somewhere in a buffer */
 class gltf_accessor
 {
   public:
-    /* `model` must outlive it. */
+    /* `model` must outlive the accessor. */
     gltf_accessor(const tinygltf::Model &model, int index);
 
     size_t count() const
@@ -35,7 +35,7 @@ class gltf_accessor
     }
     /* Writes count by component_count finite numbers; `out` must be zeroed. */
     void read_floats(float *out) const;
-    /* A SCALAR of whole numbers, each below `limit`. */
+    /* Reads a SCALAR accessor of integers, each below `limit`. */
     std::vector<uint32_t> read_indices(size_t limit) const;
 
   private:
@@ -52,8 +52,8 @@ class gltf_accessor
     const tinygltf::Accessor &accessor_;
     int index_;
     size_t component_size_, component_count_;
-    gltf_array dense_;          /* at NULL: zeros */
-    gltf_array sparse_indices_; /* at NULL: not sparse */
+    gltf_array dense_;          /* at == NULL: all zero */
+    gltf_array sparse_indices_; /* at == NULL: not sparse */
     gltf_array sparse_values_;
 };
 

@@ -21,7 +21,7 @@ using nlohmann::json;
 namespace
 {
 
-/* ---- what surrounds the document: the chunks of a .glb, and limits before any parser sees it ----
+/* ---- before parsing: the chunks of a .glb, and limits on the JSON ----
  */
 
 enum {
@@ -79,7 +79,7 @@ mrt_result split_chunks(gltf_container *out, text_view file, error *err)
     return MRT_OK;
 }
 
-/* The end of the string that starts at `at` (on its quote), or `end`. */
+/* Returns the end of the string that starts at `at`, its opening quote, or `end`. */
 const char *skip_string(const char *at, const char *end)
 {
     for (++at; at < end && *at != '"'; ++at)
@@ -114,20 +114,22 @@ mrt_result check_limits(text_view json, error *err)
     return MRT_OK;
 }
 
-/* ---- the document, checked for what tinygltf takes on trust ---- */
+/* ---- checks of the document that tinygltf does not make ---- */
 
-const char BINARY_CHUNK_NAME[] = "marotte:binary"; /* no file can be called that: ':' is refused */
-const size_t BUFFER_BYTES_MAX = (size_t)1 << 30;   /* all buffers together */
+const char BINARY_CHUNK_NAME[] =
+    "marotte:binary";                            /* cannot be a file name, because ':' is refused */
+const size_t BUFFER_BYTES_MAX = (size_t)1 << 30; /* all buffers together */
 
-/* Where tinygltf's file callbacks find bytes. */
+/* Sources of bytes for tinygltf's file callbacks. */
 struct buffer_files {
     text_view binary; /* cut to the length of the first buffer */
     const char *directory;
-    std::set<std::pair<dev_t, ino_t>> files; /* those that were read */
+    std::set<std::pair<dev_t, ino_t>> files; /* files that were read */
     error failed;
 };
 
-/* Absent, or a whole number in [0, 2^31): tinygltf ignores other values or cuts them to an int. */
+/* Checks that a member is absent or an integer in [0, 2^31). tinygltf ignores other values or
+ * truncates them to an int. */
 void check_whole(const json &object, const std::string &where, const char *key)
 {
     auto found = object.find(key);
@@ -175,7 +177,7 @@ void check_indices(const json &parent, const std::string &where, const char *key
             gltf_fail(MRT_ERR_FORMAT, "%s.%s must hold whole numbers", where.c_str(), key);
 }
 
-/* Absent, or `count` numbers. */
+/* Checks that a member is absent or an array of `count` numbers. */
 void check_numbers(const json &parent, const std::string &where, const char *key, size_t count)
 {
     const json &numbers = array_at(parent, where, key);
@@ -244,11 +246,13 @@ void check_material(const json &material, const std::string &where)
     check_numbers(material, where, "emissiveFactor", 3);
 }
 
-/* A list of the document: what each item of it may have, beside what is not looked at. */
+/* Checked members of the items of one list of the document. Other members are ignored. */
 struct section {
     const char *name;
-    std::vector<const char *> whole, indices; /* members: a whole number, a list of them */
-    std::vector<std::pair<const char *, size_t>> numbers; /* so many */
+    std::vector<const char *> whole,
+        indices; /* members that are an integer, or a list of integers */
+    std::vector<std::pair<const char *, size_t>>
+        numbers; /* members that are arrays of this length */
     void (*check_more)(const json &, const std::string &);
 };
 
@@ -270,7 +274,7 @@ void check_section(const json &document, const section &of)
     }
 }
 
-/* Extensions that are read, or change nothing of what is read here. */
+/* Returns whether an extension is supported, or does not affect the data that is read here. */
 bool is_known(const std::string &extension)
 {
     static const char *const known[] = {"KHR_mesh_quantization",
@@ -349,8 +353,8 @@ void check_document(const json &document)
 
 /* ---- buffers ---- */
 
-/* tinygltf wants indices in a buffer: those that are compressed wait in the extension until they
- * are decoded. */
+/* tinygltf requires indices to be in a buffer. Moves the index accessor of a compressed primitive
+ * into the extension until it is decoded. */
 void set_aside_draco_indices(json &document)
 {
     const json none = json::array();
@@ -376,7 +380,8 @@ void set_aside_draco_indices(json &document)
     }
 }
 
-/* A buffer that only readers without meshopt would need (its views are decoded from another). */
+/* Replaces a fallback buffer with one byte. Only readers without meshopt need it; its views are
+ * decoded from another buffer. */
 void make_fallback_empty(json &buffer)
 {
     auto extensions = buffer.find("extensions");
@@ -389,7 +394,7 @@ void make_fallback_empty(json &buffer)
         }
 }
 
-/* Points the first buffer of a .glb to the BIN chunk, and bounds what all buffers take. */
+/* Points the first buffer of a .glb to the BIN chunk, and limits the total size of the buffers. */
 void prepare_buffers(json &document, const gltf_container &container, buffer_files &source)
 {
     auto buffers = document.find("buffers");
@@ -402,8 +407,8 @@ void prepare_buffers(json &document, const gltf_container &container, buffer_fil
         total += length;
         if (length == 0 || total > BUFFER_BYTES_MAX)
             gltf_fail(MRT_ERR_UNSUPPORTED,
-                      "buffers[%zu].byteLength: 1 to %zu bytes in all are accepted", index,
-                      BUFFER_BYTES_MAX);
+                      "buffers[%zu].byteLength: all buffers together must have 1 to %zu bytes",
+                      index, BUFFER_BYTES_MAX);
         if (!buffer.contains("uri")) {
             if (!container.is_binary || index > 0)
                 gltf_fail(MRT_ERR_FORMAT, "buffers[%zu] has no uri", index);
@@ -431,7 +436,7 @@ bool is_plain_file_name(const std::string &name)
 
 bool file_exists(const std::string &, void *)
 {
-    return true; /* read_buffer says what is wrong */
+    return true; /* read_buffer reports the error */
 }
 
 std::string same_path(const std::string &path, void *)
@@ -458,11 +463,11 @@ bool read_buffer(std::vector<unsigned char> *out, std::string *, const std::stri
     struct stat status;
     if (file_check_below(source->directory, path.c_str(), &source->failed) < 0)
         return false;
-    /* A small file would fill all memory, if it were as many buffers as one likes. */
+    /* If many buffers used the same file, a small file could fill all memory. */
     if (stat(path.c_str(), &status) == 0 &&
         !source->files.insert({status.st_dev, status.st_ino}).second) {
         (void)error_set(&source->failed, MRT_ERR_UNSUPPORTED,
-                        "buffer \"%s\": its file is another buffer already", shown.c_str());
+                        "buffer \"%s\": another buffer already uses this file", shown.c_str());
         return false;
     }
     if (file_read(&bytes, path.c_str(), BUFFER_BYTES_MAX, &source->failed) < 0)
@@ -493,7 +498,7 @@ std::string first_line(const std::string &text)
     return out.c_str();
 }
 
-/* Without the library's name for what is wrong: "[json.exception.parse_error.101] ". */
+/* Returns the message without the library's prefix: "[json.exception.parse_error.101] ". */
 std::string sentence_of(const json::exception &caught)
 {
     const std::string text = caught.what();
@@ -510,13 +515,12 @@ json parse_json(const text_view &text)
     }
 }
 
-/* ---- compressed parts (KHR_draco_mesh_compression, EXT_meshopt_compression): before anything else
- * looks at the model they are decoded in the child process, all at once, and become buffers like
- * any other ---- */
+/* ---- compressed data (KHR_draco_mesh_compression, EXT_meshopt_compression): decoded first, in one
+ * call of the child process, into ordinary buffers ---- */
 
 struct job_list {
     std::vector<decode_job> jobs;
-    std::vector<std::string> names; /* of what each job decodes, for a person */
+    std::vector<std::string> names; /* name of the data of each job, for messages */
 
     job_list() = default;
     job_list(const job_list &) = delete;
@@ -538,8 +542,8 @@ struct job_list {
         return jobs.back().order;
     }
 
-    /* What is sent (it may be named many times) and what the answers take is paid out of the file's
-     * budget before there is any. */
+    /* Runs all jobs. First deducts the sizes of the inputs and answers from the file's budget. An
+     * input counts each time that it is used. */
     void run(size_t file_size)
     {
         error failed = {""};
@@ -561,19 +565,19 @@ struct job_list {
     }
 };
 
-/* size bytes in a buffer of the model, or a failure. */
+/* Returns `size` bytes of a buffer of the model, or fails. */
 text_view bytes_of(const tinygltf::Model &model, int buffer, size_t offset, size_t size,
                    const std::string &name)
 {
     if (buffer < 0 || (size_t)buffer >= model.buffers.size())
-        gltf_fail(MRT_ERR_FORMAT, "%s: its buffer is not there", name.c_str());
+        gltf_fail(MRT_ERR_FORMAT, "%s: its buffer does not exist", name.c_str());
     const std::vector<unsigned char> &bytes = model.buffers[(size_t)buffer].data;
     if (offset > bytes.size() || size > bytes.size() - offset)
         gltf_fail(MRT_ERR_FORMAT, "%s: it goes past the end of its buffer", name.c_str());
     return text_view_of(bytes.data() + offset, size);
 }
 
-/* A buffer of its own, and a view of all of it. */
+/* Adds a buffer with these bytes, and a view of the whole buffer. */
 int add_view(tinygltf::Model &model, const unsigned char *at, size_t size, size_t stride)
 {
     tinygltf::Buffer buffer;
@@ -659,7 +663,7 @@ void decode_meshopt(tinygltf::Model &model, size_t file_size)
 struct draco_primitive {
     tinygltf::Primitive *primitive;
     int indices;                         /* accessor */
-    std::vector<std::string> attributes; /* in the order of the job's */
+    std::vector<std::string> attributes; /* in the order of the attributes of the job */
 };
 
 uint32_t count_of(const tinygltf::Accessor &accessor, const std::string &name)
@@ -675,14 +679,15 @@ void add_draco(job_list &out, std::vector<draco_primitive> &patches, const tinyg
 {
     const tinygltf::Value &how = primitive.extensions.at("KHR_draco_mesh_compression");
     auto position = primitive.attributes.find("POSITION");
-    int indices = (int)gltf_whole(gltf_member(how, "indices"), -1); /* set aside by gltf_load */
+    int indices = (int)gltf_whole(gltf_member(how, "indices"),
+                                  -1); /* moved there by set_aside_draco_indices */
     if (indices < 0)
-        return; /* the file has it without compression as well */
+        return; /* the file also has the uncompressed data */
     if (position == primitive.attributes.end() || primitive.mode != TINYGLTF_MODE_TRIANGLES)
-        gltf_fail(MRT_ERR_UNSUPPORTED, "%s: of Draco only triangles are read", name.c_str());
+        gltf_fail(MRT_ERR_UNSUPPORTED, "%s: only triangles are supported with Draco", name.c_str());
     int64_t view_index = gltf_whole(gltf_member(how, "bufferView"), -1);
     if (view_index < 0 || (size_t)view_index >= model.bufferViews.size())
-        gltf_fail(MRT_ERR_FORMAT, "%s: its compressed data is not there", name.c_str());
+        gltf_fail(MRT_ERR_FORMAT, "%s: its compressed data is missing", name.c_str());
     const tinygltf::BufferView &view = model.bufferViews[(size_t)view_index];
     text_view bytes = bytes_of(model, view.buffer, view.byteOffset, view.byteLength, name);
     decode_order &order = out.add(DECODE_DRACO, bytes, name);
@@ -693,7 +698,7 @@ void add_draco(job_list &out, std::vector<draco_primitive> &patches, const tinyg
         int64_t id =
             gltf_whole(gltf_member(gltf_member(how, "attributes"), attribute.first.c_str()), -1);
         const tinygltf::Accessor &accessor = gltf_accessor_at(model, attribute.second);
-        if (id < 0) /* it is stored beside the compressed ones */
+        if (id < 0) /* this attribute is not compressed */
             continue;
         if (order.attribute_count == DECODE_ATTRIBUTES_MAX || accessor.count != order.count)
             gltf_fail(MRT_ERR_UNSUPPORTED, "%s: its compressed attributes are too many, or differ",
@@ -706,7 +711,7 @@ void add_draco(job_list &out, std::vector<draco_primitive> &patches, const tinyg
     patches.push_back(std::move(patch));
 }
 
-/* The same accessor on bytes of its own. */
+/* Adds a copy of accessor `like` that refers to these bytes. */
 int add_accessor(tinygltf::Model &model, int like, const unsigned char *at, size_t size)
 {
     tinygltf::Accessor accessor = model.accessors[(size_t)like];
@@ -765,14 +770,14 @@ void gltf_fail(mrt_result code, const char *format, ...)
     va_start(arguments, format);
     (void)vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    text_make_printable(text); /* names of the file are in it */
+    text_make_printable(text); /* the text contains names from the file */
     throw gltf_failure(code, text);
 }
 
 const tinygltf::Accessor &gltf_accessor_at(const tinygltf::Model &model, int index)
 {
     if (index < 0 || (size_t)index >= model.accessors.size())
-        gltf_fail(MRT_ERR_FORMAT, "accessor %d is used, but %zu are there", index,
+        gltf_fail(MRT_ERR_FORMAT, "accessor %d is used, but the file has %zu", index,
                   model.accessors.size());
     return model.accessors[(size_t)index];
 }
@@ -842,7 +847,7 @@ gltf_document gltf_load(const gltf_container &container, const char *directory)
     if (document.contains("skins"))
         for (json &skin : document["skins"])
             if (!skin.contains("inverseBindMatrices"))
-                skin["inverseBindMatrices"] = -1; /* tinygltf asks for them; glTF does not */
+                skin["inverseBindMatrices"] = -1; /* required by tinygltf, optional in glTF */
     buffer_files source = {{nullptr, nullptr}, directory, {}, {""}};
     prepare_buffers(document, container, source);
 
@@ -857,7 +862,7 @@ gltf_document gltf_load(const gltf_container &container, const char *directory)
         gltf_fail(MRT_ERR_IO, "%s", source.failed.text);
     if (!loaded || !failed.empty())
         gltf_fail(MRT_ERR_FORMAT, "%s",
-                  failed.empty() ? "the document makes no sense" : first_line(failed).c_str());
+                  failed.empty() ? "the document is invalid" : first_line(failed).c_str());
     return out;
 }
 

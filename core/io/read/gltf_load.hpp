@@ -24,7 +24,7 @@ struct gltf_failure : std::runtime_error {
 
 [[noreturn, gnu::format(printf, 2, 3)]] void gltf_fail(mrt_result code, const char *format, ...);
 
-/* The extension of a buffer view whose bytes are compressed. */
+/* Names of the extension of compressed buffer views. */
 constexpr const char *GLTF_MESHOPT_NAMES[] = {"EXT_meshopt_compression", "KHR_meshopt_compression"};
 
 struct gltf_container { /* pieces of the caller's bytes */

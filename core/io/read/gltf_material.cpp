@@ -35,7 +35,7 @@ float within(double number, double low, double high)
     return number > low ? (number < high ? (float)number : (float)high) : (float)low;
 }
 
-/* Up to `count` numbers of an array; the others stay. */
+/* Reads up to `count` numbers of an array; missing numbers keep their value. */
 void read_numbers(const value &of, double *out, size_t count)
 {
     for (size_t i = 0; of.IsArray() && i < count && i < of.ArrayLen(); ++i)
@@ -55,7 +55,7 @@ std::vector<unsigned char> copy_of(const unsigned char *at, size_t size)
     return std::vector<unsigned char>(at, at + size);
 }
 
-/* A file beside the document, or below. */
+/* Reads a file in the folder of the document, or below it. */
 std::vector<unsigned char> read_file(const picture_files &from, const std::string &uri)
 {
     std::string name = gltf_percent_decoded(uri);
@@ -89,14 +89,14 @@ std::vector<unsigned char> read_view(const picture_files &from, int index)
 {
     const tinygltf::Model &model = from.document.model;
     if (index < 0 || (size_t)index >= model.bufferViews.size())
-        gltf_fail(MRT_ERR_FORMAT, "its bufferView is not there");
+        gltf_fail(MRT_ERR_FORMAT, "its bufferView does not exist");
     const tinygltf::BufferView &view = model.bufferViews[(size_t)index];
     if (view.buffer < 0 || (size_t)view.buffer >= model.buffers.size())
-        gltf_fail(MRT_ERR_FORMAT, "its buffer is not there");
+        gltf_fail(MRT_ERR_FORMAT, "its buffer does not exist");
     const std::vector<unsigned char> &bytes = model.buffers[(size_t)view.buffer].data;
     if (view.byteOffset > bytes.size() || view.byteLength > bytes.size() - view.byteOffset ||
         view.byteLength > MESH_IMAGE_SIZE_MAX)
-        gltf_fail(MRT_ERR_FORMAT, "its bytes are not there");
+        gltf_fail(MRT_ERR_FORMAT, "its bytes are missing");
     return copy_of(bytes.data() + view.byteOffset, view.byteLength);
 }
 
@@ -165,7 +165,7 @@ class material_reader
             if (!shader.IsString() || shader.Get<std::string>() != "VRM/MToon")
                 return;
             m.lighting = MESH_LIGHTING_TOON;
-            shade[0] = 0.97, shade[1] = 0.81, shade[2] = 0.86; /* MToon's own default */
+            shade[0] = 0.97, shade[1] = 0.81, shade[2] = 0.86; /* default of MToon */
             read_numbers(gltf_member(gltf_member(of, "vectorProperties"), "_ShadeColor"), shade, 3);
             for (double &channel : shade)
                 channel = srgb_to_linear(channel);
@@ -177,7 +177,7 @@ class material_reader
             m.shade_colour[i] = within(shade[i], 0, 1);
     }
 
-    /* VRM 0's two numbers as VRM 1's, as UniVRM carries them over. */
+    /* Converts the two numbers of VRM 0 to those of VRM 1, as UniVRM does. */
     static void read_old_toon(mesh_material &m, double shift, double toony)
     {
         double low = shift, high = 1.0 + (shift - 1.0) * toony;
@@ -207,7 +207,7 @@ class material_reader
         if (index < 0)
             return out;
         if ((size_t)index >= model_.textures.size())
-            gltf_fail(MRT_ERR_FORMAT, "a material names texture %d, but %zu are there", index,
+            gltf_fail(MRT_ERR_FORMAT, "a material names texture %d, but the file has %zu", index,
                       model_.textures.size());
         const value &transform = extension(extensions, "KHR_texture_transform");
         if ((int)gltf_whole(gltf_member(transform, "texCoord"), uv_set) != material_uv_set) {
@@ -248,8 +248,8 @@ class material_reader
                                  : MESH_WRAP_REPEAT;
     }
 
-    /* PNG or JPEG where the file has it, else what an extension brings (which is refused by name).
-     */
+    /* Returns the PNG or JPEG of a texture if the file has one. Otherwise returns the picture of an
+     * extension, which is refused by name. */
     uint32_t image_of(const tinygltf::Texture &texture, const std::string &material)
     {
         int64_t source = texture.source;
@@ -257,7 +257,7 @@ class material_reader
             if (source < 0)
                 source = gltf_whole(gltf_member(extension(texture.extensions, name), "source"), -1);
         if (source < 0 || (size_t)source >= document_.images.size()) {
-            note(material, "its picture is not there");
+            note(material, "its picture is missing");
             return 0;
         }
         auto known = known_.find((size_t)source);

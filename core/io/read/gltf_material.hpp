@@ -9,16 +9,16 @@ extern "C" {
 #include "mesh/mesh.h"
 }
 
-/* Replaces out's materials; with_default: mesh_create's grey one follows the file's. Those that are
- * not in `is_used` ask for no pictures. `directory`: as in gltf_parse; `file_size` bounds what the
- * pictures take. */
+/* Replaces out's materials; with_default: mesh_create's grey one follows the file's. Pictures are
+ * read only for materials in `is_used`. `directory`: as in gltf_parse. `file_size` limits the
+ * memory for pictures. */
 void gltf_materials(mesh &out, const gltf_document &document, const std::vector<bool> &is_used,
                     bool with_default, const char *directory, size_t file_size);
 
 /* Returns n of the TEXCOORD_n of the material's textures. */
 int gltf_material_uv_set(const tinygltf::Model &model, int material);
 
-/* Memory that mesh_destroy frees: a name, made printable. */
+/* Returns a printable copy of a name, which mesh_destroy frees. */
 char *gltf_clean_name(const std::string &name);
 
 #endif

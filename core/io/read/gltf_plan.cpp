@@ -13,7 +13,8 @@ extern "C" {
 namespace
 {
 
-/* Which accessors the vertices of a primitive come from: equal keys, equal vertices. */
+/* The accessors of the vertices of a primitive. Primitives with equal keys have the same vertices.
+ */
 typedef std::vector<std::pair<std::string, int>> group_key;
 
 group_key key_of(const tinygltf::Model &model, const tinygltf::Primitive &primitive)
@@ -153,7 +154,7 @@ class planner
         size_t vertex_count = mesh.groups[found->second].vertex_count;
         size_t triangle_count = triangles_of(primitive, vertex_count);
         if (primitive.material >= (int)model_.materials.size())
-            gltf_fail(MRT_ERR_FORMAT, "a primitive has material %d, but %zu are there",
+            gltf_fail(MRT_ERR_FORMAT, "a primitive has material %d, but the file has %zu",
                       primitive.material, model_.materials.size());
         plan_.needs_default_material |= primitive.material < 0;
         if (primitive.material >= 0)
@@ -169,7 +170,7 @@ class planner
         std::map<group_key, size_t> groups;
         for (const tinygltf::Primitive &primitive : mesh.primitives) {
             if (primitive.mode < 0 || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN)
-                gltf_fail(MRT_ERR_FORMAT, "mesh %zu: primitive mode %d is none", index,
+                gltf_fail(MRT_ERR_FORMAT, "mesh %zu: primitive mode %d is invalid", index,
                           primitive.mode);
             if (primitive.mode < TINYGLTF_MODE_TRIANGLES) {
                 plan_.skipped_count += 1;
@@ -184,14 +185,15 @@ class planner
             add_targets(out, index, out.surfaces[0].source->targets.size());
     }
 
-    /* Targets of one name are one target, of all meshes: a smile moves the teeth as well. */
+    /* Merges targets with the same name in all meshes into one target, so that a smile moves the
+     * teeth as well. */
     void add_targets(gltf_mesh_plan &out, size_t index, size_t target_count)
     {
         const tinygltf::Mesh &mesh = model_.meshes[index];
         const tinygltf::Value &extras = mesh.extras;
         bool has_names =
             extras.IsObject() && extras.Has("targetNames") && extras.Get("targetNames").IsArray();
-        std::map<std::string, size_t> used; /* how often in this mesh */
+        std::map<std::string, size_t> used; /* number of targets with this name in the mesh */
         for (size_t i = 0; i < target_count; ++i) {
             std::string name;
             if (has_names && i < extras.Get("targetNames").ArrayLen() &&
@@ -227,7 +229,8 @@ class planner
         check_budget(plan_.vertex_count * per_vertex + plan_.triangle_count * 3);
     }
 
-    /* A sparse file may well be much smaller than what it unfolds to; an instance costs nothing. */
+    /* Checks the memory for the mesh. Sparse accessors and instances can make it much larger than
+     * the file. */
     void check_budget(size_t number_count) const
     {
         budget all = budget_;
@@ -238,7 +241,8 @@ class planner
                       plan_.vertex_count, plan_.targets.size(), plan_.triangle_count, failed.text);
     }
 
-    /* Every instance reads its skin anew: so many joints, or matrices where those are more. */
+    /* Deducts the work to read the skin of one instance: its number of joints or matrices,
+     * whichever is greater. Each instance reads its skin again. */
     void pay_for_skin(int index)
     {
         if (index < 0 || (size_t)index >= model_.skins.size())
@@ -255,7 +259,7 @@ class planner
     }
 
     struct slot_key {
-        std::string name, owner; /* owner: the mesh, if it gave no name */
+        std::string name, owner; /* owner: the mesh, if the target has no name */
         size_t occurrence;
         bool operator<(const slot_key &other) const
         {
@@ -265,10 +269,10 @@ class planner
     };
 
     static constexpr size_t ATTRIBUTES_MAX = 64;
-    static constexpr size_t STEPS_A_JOINT = 20; /* of work, as base/budget.h counts it */
+    static constexpr size_t STEPS_A_JOINT = 20; /* units of work in base/budget.h */
     const tinygltf::Model &model_;
     gltf_plan plan_;
-    budget budget_; /* of all instances together */
+    budget budget_; /* shared by all instances */
     bool is_quantised_;
     std::map<slot_key, size_t> slots_;
 };

@@ -7,7 +7,7 @@
 
 #include <map>
 
-struct gltf_group_plan { /* vertices that primitives of one mesh share */
+struct gltf_group_plan { /* vertices that are shared by primitives of one mesh */
     const tinygltf::Primitive *source;
     size_t first_vertex, vertex_count; /* within the mesh */
 };
@@ -20,7 +20,7 @@ struct gltf_primitive_plan { /* a primitive with triangles */
 struct gltf_mesh_plan {
     std::vector<gltf_group_plan> groups;
     std::vector<gltf_primitive_plan> surfaces;
-    std::vector<size_t> target_slots; /* of its targets, in gltf_plan.targets */
+    std::vector<size_t> target_slots; /* index of each of its targets in gltf_plan.targets */
     size_t vertex_count, triangle_count;
 };
 
@@ -32,7 +32,7 @@ struct gltf_attribute_plan {
 struct gltf_plan {
     gltf_scene scene;
     gltf_skeleton skeleton;
-    std::map<size_t, gltf_mesh_plan> meshes; /* those that the scene shows */
+    std::map<size_t, gltf_mesh_plan> meshes; /* meshes that the scene shows */
     std::vector<std::string> targets;
     std::vector<gltf_attribute_plan> attributes;
     size_t vertex_count, triangle_count, part_count; /* of all instances */
@@ -41,16 +41,16 @@ struct gltf_plan {
     bool has_normals, has_uv, has_colours, needs_default_material;
 };
 
-/* `file_size` bounds the memory that the plan may ask for. */
+/* `file_size` limits the memory of the plan. */
 gltf_plan gltf_plan_of(const tinygltf::Model &model, size_t file_size);
 
 /* Returns the accessor of the texture coordinates of the primitive; -1: none. */
 int gltf_uv_accessor(const tinygltf::Model &model, const tinygltf::Primitive &primitive);
-/* Of its vertex colours; -1: none. */
+/* Returns the accessor of its vertex colours; -1: none. */
 int gltf_colour_accessor(const tinygltf::Primitive &primitive);
 
 bool gltf_is_custom(const std::string &attribute); /* "_NAME" */
-/* Index of a custom attribute, or -1 when its type does not fit the plan. */
+/* Returns the index of a custom attribute, or -1 if its type differs from the plan. */
 int gltf_plan_attribute(const gltf_plan &plan, const std::string &name, size_t component_count);
 
 #endif

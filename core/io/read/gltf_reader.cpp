@@ -1,5 +1,5 @@
-/* glTF into a mesh: plans the scene, reads the accessors, and is the border that no exception
- * crosses. */
+/* Converts glTF to a mesh: plans the scene and reads the accessors. Exceptions do not leave this
+ * file. */
 #include "io/read/gltf_material.hpp"
 #include "io/read/gltf_plan.hpp"
 
@@ -17,7 +17,7 @@ extern "C" {
 namespace
 {
 
-/* Memory that mesh_destroy frees. */
+/* Returns zeroed memory, which mesh_destroy frees. */
 template <class T> T *zeroed(size_t count)
 {
     void *memory = calloc(count ? count : 1, sizeof(T));
@@ -26,7 +26,7 @@ template <class T> T *zeroed(size_t count)
     return static_cast<T *>(memory);
 }
 
-/* What the file calls a primitive, else the node. */
+/* Returns the name of a primitive in the file, else that of its node. */
 std::string part_name(const tinygltf::Primitive &primitive, const gltf_instance &instance)
 {
     const tinygltf::Value &extras = primitive.extras;
@@ -67,18 +67,19 @@ void make_targets(mesh &out, const gltf_plan &plan)
     }
 }
 
-/* ---- VRM's expressions: VRM 0's blendShapeMaster and VRM 1's VRMC_vrm.expressions, in VRM 1's
- * words. Left out is what they do to materials ---- */
+/* ---- expressions of VRM: blendShapeMaster of VRM 0 and VRMC_vrm.expressions of VRM 1, with the
+ * names of VRM 1. Their effects on materials are ignored ---- */
 
-/* Which morph targets, and how much of each, show what the standard calls so. */
+/* Morph targets and their weights for each expression name of the standard. */
 struct gltf_expressions {
-    std::map<std::pair<std::string, size_t>, float> weight; /* of a word and a target of the plan */
-    size_t lost_count; /* shapes that they name, and that are not there */
+    std::map<std::pair<std::string, size_t>, float>
+        weight;        /* by expression name and target of the plan */
+    size_t lost_count; /* number of named shapes that do not exist */
 };
 
 const size_t ROWS_MAX = 4096;
 
-/* VRM 0's presets, and VRM 1's words for them. */
+/* Presets of VRM 0 and their names in VRM 1. */
 const char *const preset[][2] = {{"a", "aa"},
                                  {"i", "ih"},
                                  {"u", "ou"},
@@ -110,7 +111,7 @@ std::string text_of(const tinygltf::Value &value)
     return value.IsString() ? value.Get<std::string>() : "";
 }
 
-/* An expression without a preset may be called like one. */
+/* Returns the name in VRM 1. An expression without a preset may itself have the name of one. */
 std::string word_of(const std::string &preset_name, const std::string &name)
 {
     for (const std::string &given : {lower(preset_name), lower(name)})
@@ -218,7 +219,7 @@ void make_expressions(mesh &out, const gltf_expressions &from)
         to.weight = row.second;
     }
     if (from.lost_count)
-        mesh_note(&out, "%zu shapes that its expressions name are not there", from.lost_count);
+        mesh_note(&out, "%zu shapes that its expressions name do not exist", from.lost_count);
 }
 
 /* ---- the mesh ---- */
@@ -371,7 +372,7 @@ class geometry_reader
             size_t corner[3] = {t * 3, t * 3 + 1, t * 3 + 2};
             if (surface.source->mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
                 corner[0] = t;
-                corner[1] = t + 1 + t % 2; /* every other one runs the other way round */
+                corner[1] = t + 1 + t % 2; /* every second triangle of a strip is reversed */
                 corner[2] = t + 2 - t % 2;
             } else if (surface.source->mode == TINYGLTF_MODE_TRIANGLE_FAN) {
                 corner[0] = t + 1;
@@ -404,7 +405,7 @@ void add_notes(mesh &out, const tinygltf::Model &model, const gltf_plan &plan,
                const geometry_reader &r)
 {
     if (!plan.scene.has_nodes)
-        mesh_note(&out, "the file has no nodes: its meshes are taken as they are");
+        mesh_note(&out, "the file has no nodes: its meshes are read without transforms");
     if (model.scenes.size() > 1)
         mesh_note(&out, "one of %zu scenes was read", model.scenes.size());
     if (plan.skeleton.ignored_skin_count)
@@ -471,7 +472,7 @@ mrt_result gltf_parse(mesh *out, const void *data, size_t size, const char *dire
     } catch (const std::bad_alloc &) {
         result = error_set(err, MRT_ERR_MEMORY, "no memory for the glTF document");
     } catch (...) {
-        result = error_set(err, MRT_ERR_FORMAT, "the glTF document makes no sense");
+        result = error_set(err, MRT_ERR_FORMAT, "the glTF document is invalid");
     }
     mesh_destroy(out);
     return result;

@@ -30,7 +30,7 @@ gltf_transform transform_of_matrix(const std::vector<double> &m, int node) /* co
     const double tolerance = 1e-6;
     if (std::fabs(m[3]) > tolerance || std::fabs(m[7]) > tolerance ||
         std::fabs(m[11]) > tolerance || std::fabs(m[15] - 1.0) > tolerance)
-        gltf_fail(MRT_ERR_FORMAT, "node %d: its matrix is no affine transform", node);
+        gltf_fail(MRT_ERR_FORMAT, "node %d: its matrix is not an affine transform", node);
     gltf_transform out;
     for (size_t row = 0; row < 3; ++row) {
         for (size_t column = 0; column < 3; ++column)
@@ -74,11 +74,11 @@ gltf_transform transform_of_node(const tinygltf::Node &node, int index)
 void check_node_index(const tinygltf::Model &model, int index, const char *where)
 {
     if (index < 0 || (size_t)index >= model.nodes.size())
-        gltf_fail(MRT_ERR_FORMAT, "%s names node %d, but %zu are there", where, index,
+        gltf_fail(MRT_ERR_FORMAT, "%s names node %d, but the file has %zu", where, index,
                   model.nodes.size());
 }
 
-/* How many parents each node has: at most one, so whatever hangs on a root is a tree. */
+/* Counts the parents of each node. Each has at most one, so all nodes below a root form a tree. */
 std::vector<int> count_parents(const tinygltf::Model &model)
 {
     std::vector<int> parent_count(model.nodes.size(), 0);
@@ -102,7 +102,7 @@ std::vector<int> find_roots(const tinygltf::Model &model)
     }
     size_t scene = model.defaultScene < 0 ? 0 : (size_t)model.defaultScene;
     if (scene >= model.scenes.size())
-        gltf_fail(MRT_ERR_FORMAT, "scene %zu is to be shown, but %zu are there", scene,
+        gltf_fail(MRT_ERR_FORMAT, "scene %zu does not exist: the file has %zu", scene,
                   model.scenes.size());
     for (int root : model.scenes[scene].nodes) {
         check_node_index(model, root, "the scene");
@@ -128,7 +128,7 @@ void push_reversed(std::vector<pending_node> &stack, const std::vector<int> &nod
 const std::string &mesh_name(const tinygltf::Model &model, int mesh)
 {
     if ((size_t)mesh >= model.meshes.size())
-        gltf_fail(MRT_ERR_FORMAT, "a node names mesh %d, but %zu are there", mesh,
+        gltf_fail(MRT_ERR_FORMAT, "a node names mesh %d, but the file has %zu", mesh,
                   model.meshes.size());
     return model.meshes[(size_t)mesh].name;
 }
@@ -200,14 +200,14 @@ std::vector<std::string> humanoid_roles(const tinygltf::Model &model)
 const tinygltf::Skin &skin_at(const tinygltf::Model &model, int index)
 {
     if ((size_t)index >= model.skins.size())
-        gltf_fail(MRT_ERR_FORMAT, "a node names skin %d, but %zu are there", index,
+        gltf_fail(MRT_ERR_FORMAT, "a node names skin %d, but the file has %zu", index,
                   model.skins.size());
     const tinygltf::Skin &skin = model.skins[(size_t)index];
     if (skin.joints.empty())
         gltf_fail(MRT_ERR_FORMAT, "skin %d has no joints", index);
     for (int joint : skin.joints)
         if (joint < 0 || (size_t)joint >= model.nodes.size())
-            gltf_fail(MRT_ERR_FORMAT, "skin %d names node %d, but %zu are there", index, joint,
+            gltf_fail(MRT_ERR_FORMAT, "skin %d names node %d, but the file has %zu", index, joint,
                       model.nodes.size());
     return skin;
 }
@@ -309,8 +309,8 @@ void gltf_transform_points(const gltf_transform &t, float *point, size_t count)
     }
 }
 
-/* By the inverse transpose, which is the cofactor matrix over the determinant; the length is left
- * to the caller. */
+/* Transforms by the inverse transpose, which is the cofactor matrix over the determinant. The
+ * caller normalises the result. */
 void gltf_transform_normals(const gltf_transform &t, float *normal, size_t count)
 {
     const double(&m)[3][3] = t.linear;
@@ -408,8 +408,9 @@ void gltf_skin::read_matrices(const tinygltf::Skin &skin)
     }
 }
 
-/* A skeleton that stands as its skin was bound moves all vertices alike, but for rounding: then
- * they are moved alike to the last bit, so that vertices at one place stay at one place. */
+/* Finds out if the skeleton is in its bind pose. It then moves all vertices equally except for
+ * rounding. One common transform is used instead, so that vertices at the same position stay
+ * together to the bit. */
 void gltf_skin::find_common()
 {
     double size = 0.0;
@@ -497,7 +498,7 @@ void gltf_skin::read(const tinygltf::Primitive &source, size_t count, uint32_t *
     }
 }
 
-/* Of a vertex without weights: as the first joint of the skin has it. */
+/* Returns the transform of a vertex. Without weights it is that of the first joint of the skin. */
 gltf_transform gltf_skin::blend(size_t vertex) const
 {
     const influence *row = &influence_[vertex * width_];

@@ -20,9 +20,9 @@ extern const gltf_transform GLTF_TRANSFORM_IDENTITY;
 
 struct gltf_instance {
     size_t mesh;
-    std::string name; /* of the node, else of the mesh */
+    std::string name; /* name of the node, else of the mesh */
     gltf_transform world;
-    size_t node; /* has_node: of the model */
+    size_t node; /* index in the model, if has_node */
     bool has_node;
     int skin; /* -1: none */
 };
@@ -36,16 +36,17 @@ struct gltf_world_node {
 struct gltf_scene {
     std::vector<gltf_instance> instances; /* in the order of the nodes */
     std::vector<gltf_world_node> nodes;   /* parents first */
-    bool has_nodes;                       /* false: every mesh once, without a transform */
+    bool has_nodes;                       /* false: each mesh appears once, without a transform */
 };
 
 gltf_scene gltf_scene_of(const tinygltf::Model &model);
 
-/* First b, then a. */
+/* Returns the transform that applies b, then a. */
 gltf_transform gltf_transform_compose(const gltf_transform &a, const gltf_transform &b);
 bool gltf_transform_mirrors(const gltf_transform &t);
 bool gltf_transform_is_linear_identity(const gltf_transform &t);
-/* In place, `count` by 3: points; vectors such as offsets; directions of normals. */
+/* Transform `count` by 3 values in place: points, vectors such as offsets, or directions of
+ * normals. */
 void gltf_transform_points(const gltf_transform &t, float *point, size_t count);
 void gltf_transform_vectors(const gltf_transform &t, float *vector, size_t count);
 void gltf_transform_normals(const gltf_transform &t, float *normal, size_t count);
@@ -61,10 +62,11 @@ struct gltf_joint {
 
 struct gltf_skeleton {
     std::vector<gltf_joint> joints;      /* nodes that a shown skin or the humanoid map names */
-    std::vector<uint32_t> joint_of_node; /* MESH_NO_JOINT: the node is no joint */
-    std::vector<uint32_t> rides_on;      /* of a node: itself or the nearest joint above it */
-    size_t ignored_skin_count;           /* with joints that the scene does not show */
-    mesh_axis forward;                   /* VRM 0 says -z, VRM 1 +z; else MESH_AXIS_AUTO */
+    std::vector<uint32_t> joint_of_node; /* MESH_NO_JOINT: the node is not a joint */
+    std::vector<uint32_t>
+        rides_on;              /* for each node: itself or its nearest ancestor that is a joint */
+    size_t ignored_skin_count; /* number of skins with joints outside the scene */
+    mesh_axis forward;         /* VRM 0: -z, VRM 1: +z; else MESH_AXIS_AUTO */
 };
 
 gltf_skeleton gltf_skeleton_of(const tinygltf::Model &model, const gltf_scene &scene);
@@ -73,7 +75,7 @@ gltf_skeleton gltf_skeleton_of(const tinygltf::Model &model, const gltf_scene &s
 class gltf_skin
 {
   public:
-    /* `instance` is of `scene`. Without a usable skin it follows a joint, or is fixed in the world.
+    /* `instance` belongs to `scene`. Without a usable skin it follows a joint or does not move.
      */
     gltf_skin(const tinygltf::Model &model, const gltf_skeleton &skeleton,
               const gltf_instance &instance);
@@ -81,7 +83,7 @@ class gltf_skin
     /* Reads JOINTS_n and WEIGHTS_n: count by MESH_SKIN_WIDTH. */
     void read(const tinygltf::Primitive &source, size_t count, uint32_t *joint, float *weight);
 
-    /* In place, `count` by 3, the vertices that were read last. */
+    /* Transforms `count` by 3 values in place, for the vertices of the last read(). */
     void transform_points(float *point, size_t count) const;
     void transform_vectors(float *vector, size_t count) const;
     void transform_normals(float *normal, size_t count) const;
@@ -105,10 +107,11 @@ class gltf_skin
 
     const tinygltf::Model &model_;
     const gltf_skeleton &skeleton_;
-    std::vector<uint32_t> joint_;        /* of the skin: which of the skeleton's */
-    std::vector<gltf_transform> matrix_; /* of the skin's joints: from the file's points to rest */
-    gltf_transform common_;              /* of all vertices, when is_rigid_ */
-    bool is_rigid_;                      /* the skin is in its bind pose, or is missing */
+    std::vector<uint32_t> joint_; /* index in the skeleton, for each joint of the skin */
+    std::vector<gltf_transform>
+        matrix_;            /* for each joint of the skin: from file coordinates to rest */
+    gltf_transform common_; /* transform of all vertices if is_rigid_ */
+    bool is_rigid_;         /* the skin is in its bind pose, or is missing */
     uint32_t rides_on_;
     size_t width_ = 0; /* influences of a vertex */
     std::vector<influence> influence_;

@@ -65,7 +65,7 @@ static mrt_result table_grow(mesh_build_table *t, error *err)
     return MRT_OK;
 }
 
-/* Finds a name, or adds it. */
+/* Finds a name or adds it. */
 static mrt_result table_find(mesh_build_table *t, const char *text, uint32_t material,
                              uint32_t *out_item, error *err)
 {
@@ -146,8 +146,7 @@ void mesh_build_finish(mesh_build *b)
 mrt_result mesh_build_vertex(mesh_build *b, const float position[3], error *err)
 {
     if (b->vertex_count == COUNT_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "more than %d vertices are not accepted",
-                         COUNT_MAX);
+        return error_set(err, MRT_ERR_UNSUPPORTED, "at most %d vertices are allowed", COUNT_MAX);
     mrt_result result = mesh_build_grow((void **)&b->position, &b->vertex_capacity,
                                         b->vertex_count + 1, 3 * sizeof *b->position, err);
     if (result < 0)
@@ -195,7 +194,7 @@ mrt_result mesh_build_corner(mesh_build *b, int64_t vertex, error *err)
 {
     if (vertex < 0 || (uint64_t)vertex >= b->vertex_count)
         return error_set(err, MRT_ERR_FORMAT,
-                         "a face uses vertex %lld (counted from 0), but %zu are there",
+                         "a face uses vertex %lld (counted from 0), but %zu are defined so far",
                          (long long)vertex, b->vertex_count);
     mrt_result result = mesh_build_grow((void **)&b->corner, &b->corner_capacity,
                                         b->corner_count + 1, sizeof *b->corner, err);
@@ -227,7 +226,7 @@ static double squared_distance(const mesh_build *b, uint32_t v, uint32_t w)
     return sum;
 }
 
-/* Of three corners of the face. */
+/* Adds a triangle of three corners of the face. */
 static void add_triangle(mesh_build *b, size_t i, size_t j, size_t k)
 {
     const size_t corner[3] = {i, j, k};
@@ -245,8 +244,7 @@ static void add_triangle(mesh_build *b, size_t i, size_t j, size_t k)
 static mrt_result reserve_triangles(mesh_build *b, size_t added, error *err)
 {
     if (added > COUNT_MAX - b->triangle_count)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "more than %d triangles are not accepted",
-                         COUNT_MAX);
+        return error_set(err, MRT_ERR_UNSUPPORTED, "at most %d triangles are allowed", COUNT_MAX);
     size_t needed = b->triangle_count + added;
     size_t capacity = b->triangle_capacity;
     mrt_result result =
@@ -384,7 +382,7 @@ static mrt_result take_names(mesh_build *b, mesh *out, error *err)
 
 enum {
     VERSIONS_MAX = 64
-}; /* versions of a vertex that are searched; further ones are not shared */
+}; /* maximum number of versions of a vertex that are searched; later ones are not shared */
 
 typedef struct splitting {
     mesh_build *b;
@@ -396,8 +394,7 @@ static mrt_result reserve_versions(splitting *s, size_t needed, error *err)
 {
     mesh_build *b = s->b;
     if (needed > COUNT_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "more than %d vertices are not accepted",
-                         COUNT_MAX);
+        return error_set(err, MRT_ERR_UNSUPPORTED, "at most %d vertices are allowed", COUNT_MAX);
     mrt_result result =
         mesh_build_grow((void **)&s->next, &s->next_capacity, needed, sizeof *s->next, err);
     if (result >= 0)

@@ -1,6 +1,6 @@
 /* io/read/mesh_build.h - builds a mesh from the vertices and corners that a reader adds: polygons
- * become triangles, groups become parts. Leaves out the file formats. Memory grows only with the
- * added data, never with the counts in a header. One thread at a time. */
+ * become triangles, groups become parts. Does not cover the file formats. Memory grows only with
+ * the added data, never with the counts in a header. One thread at a time. */
 #ifndef MAROTTE_IO_MESH_BUILD_H
 #define MAROTTE_IO_MESH_BUILD_H
 #include "base/text.h"
@@ -24,12 +24,12 @@ typedef struct mesh_build_table { /* names in order of appearance, found by hash
 
 typedef struct mesh_build {
     float *position;    /* vertex_count by 3 */
-    float *normal;      /* normal_count by 3: of every vertex, or it is not kept */
+    float *normal;      /* normal_count by 3; dropped unless every vertex has one */
     uint32_t *triangle; /* triangle_count by 3 */
     uint32_t *part_of;  /* triangle_count */
     uint32_t *corner;   /* of the face being added */
-    bool keeps_uv;      /* set before the first face: its corners may lie in a picture */
-    float *corner_uv;   /* then of each corner, as glTF; NaN: nothing is said of it */
+    bool keeps_uv;      /* set before the first face: stores texture coordinates */
+    float *corner_uv;   /* if keeps_uv: of each corner, as in glTF; NaN: none */
     float *triangle_uv; /* triangle_count by 3 by 2, likewise */
     float *uv;          /* of each vertex, once vertices are split */
     uint32_t *origin;   /* likewise: itself, or the vertex that it was split from */
@@ -46,12 +46,13 @@ void mesh_build_init(mesh_build *b);
 void mesh_build_finish(mesh_build *b); /* accepts NULL, zeroed, taken */
 
 CHECKED mrt_result mesh_build_vertex(mesh_build *b, const float position[3], error *err);
-/* The normal of the next vertex that has none yet, of any length. */
+/* Adds the normal, of any length, of the next vertex without one. */
 CHECKED mrt_result mesh_build_normal(mesh_build *b, const float normal[3], error *err);
-/* What the following faces belong to; names are made printable by text_copy. */
+/* Set the group and the material of the following faces. text_copy makes the names printable. */
 void mesh_build_group(mesh_build *b, text_view name);
 void mesh_build_material(mesh_build *b, text_view name);
-/* A face: its corners, each a vertex that was added before, then its end (>= 3 corners). */
+/* Add a face: first its corners, which refer to earlier vertices, then its end (>= 3 corners).
+ */
 CHECKED mrt_result mesh_build_corner(mesh_build *b, int64_t vertex, error *err);
 CHECKED mrt_result mesh_build_face(mesh_build *b, error *err);
 /* Sets the texture coordinates of the last corner, if the build keeps them. */
@@ -67,11 +68,11 @@ void mesh_build_part_ranges(mesh *m);
 void mesh_build_unit_normals(mesh *m);
 /* Notes the number of triangles that use a vertex twice. */
 void mesh_build_note_degenerate(mesh *m);
-/* Of a text that is read: "EXPECTED was expected, "FOUND" was found". */
+/* Sets the error "EXPECTED was expected, "FOUND" was found" of a text file. */
 mrt_result mesh_text_unexpected(error *err, const char *expected, text_view found);
-/* Refuses a line that is longer than any is. */
+/* Refuses a line that is longer than the limit. */
 CHECKED mrt_result mesh_text_check_line(text_view line, error *err);
-/* Puts "line 3: " before the error. */
+/* Adds the prefix "line 3: " to the error. */
 void mesh_text_at_line(error *err, uint64_t line_number);
 
 /* Grows *array to hold `needed` elements of `size` bytes. */

@@ -158,9 +158,9 @@ static mrt_result start(pid_t *out_pid, int *out_fd, const char *argument, int i
     return MRT_OK;
 }
 
-/* ---- its answer ---- */
+/* ---- the answer of the child ---- */
 
-/* MRT_END: the end of the output. */
+/* Returns MRT_END at the end of the output. */
 static mrt_result read_some(child_output *a, int fd, error *err)
 {
     const size_t step = 1 << 16;
@@ -197,7 +197,7 @@ static mrt_result read_answer(child_output *a, int fd, error *err)
     return result;
 }
 
-/* Time from the end of its answer to its exit. */
+/* Maximum time from the end of the answer to the exit of the child. */
 static const int64_t goodbye_ns = 10 * NS_PER_S;
 
 /* Sets the reason if the child was ended by a signal. */
@@ -219,8 +219,8 @@ static mrt_result judge(pid_t pid, error *err)
 /* Starts marotte-meshload with one argument and these bytes as its standard input (NULL: none), and
  * waits for its end. The caller frees its answer after any result. The error describes an abnormal
  * end. */
-static mrt_result ask(void **out_answer, size_t *out_size, const char *argument, const void *input,
-                      size_t input_size, error *err)
+static mrt_result run_child(void **out_answer, size_t *out_size, const char *argument,
+                            const void *input, size_t input_size, error *err)
 {
     child_output a = {0};
     pid_t pid = 0;
@@ -254,18 +254,18 @@ mrt_result mesh_child_read(mesh *out, const char *path, error *err)
     void *answer = NULL;
     size_t size = 0;
     *out = (mesh){0};
-    mrt_result result =
-        ask(&answer, &size, strcmp(path, MESH_CHILD_DECODE) == 0 ? "./" MESH_CHILD_DECODE : path,
-            NULL, 0, err);
+    mrt_result result = run_child(
+        &answer, &size, strcmp(path, MESH_CHILD_DECODE) == 0 ? "./" MESH_CHILD_DECODE : path, NULL,
+        0, err);
     if (result == MRT_OK)
         result = mesh_wire_parse(out, answer, size, err);
     free(answer);
     return result;
 }
 
-/* ---- jobs to its decoders, and answers: an answer must match its order exactly ---- */
+/* ---- decoding jobs and their answers: an answer must match its order exactly ---- */
 
-/* 0: not one of glTF's. */
+/* Returns the size in bytes; 0: not a glTF type. */
 static size_t component_size(uint32_t type)
 {
     static const uint8_t size[] = {1, 1, 2, 2, 0, 4, 4}; /* from 5120 */
@@ -333,7 +333,7 @@ static bool fits(const decode_order *order, const void *answer, uint64_t size)
 }
 
 /* Returns the number of answered jobs. */
-static uint32_t take_answers(decode_job *job, uint32_t count, const char *at, size_t size)
+static uint32_t read_answers(decode_job *job, uint32_t count, const char *at, size_t size)
 {
     for (uint32_t i = 0; i < count; ++i) {
         uint64_t head[2];
@@ -373,8 +373,8 @@ mrt_result decode_run(decode_job *job, uint32_t count, error *err)
         mrt_result result = make_request(&request, &request_size, job, count, err);
         if (result < 0)
             return result;
-        result = ask(&answer, &answer_size, MESH_CHILD_DECODE, request, request_size, &ended);
-        uint32_t done = take_answers(job, count, answer, answer_size);
+        result = run_child(&answer, &answer_size, MESH_CHILD_DECODE, request, request_size, &ended);
+        uint32_t done = read_answers(job, count, answer, answer_size);
         bool was_there = answer != NULL || result == MRT_OK;
         free(request);
         free(answer);
@@ -382,7 +382,7 @@ mrt_result decode_run(decode_job *job, uint32_t count, error *err)
             return error_set(err, result, "%s", ended.text);
         job += done;
         count -= done;
-        /* The next job crashed it. After a few crashes, the remaining jobs are skipped. */
+        /* The next job crashed the child. After a few crashes the remaining jobs are skipped. */
         for (uint32_t i = 0; i < count && (i == 0 || crash == CRASHES_MAX); ++i)
             job[i].failed = ended;
         uint32_t passed_over = crash == CRASHES_MAX ? count : count > 0;

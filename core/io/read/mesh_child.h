@@ -1,5 +1,5 @@
 /* io/read/mesh_child.h - reads a mesh file in another process, marotte-meshload, which may crash,
- * hang or eat its memory without harm; decode_run (io/decode/decode.h) has its decoders run there
+ * hang or use up its memory without harm. The decoders of decode_run (io/decode/decode.h) run there
  * too. The program is found in $MAROTTE_MESHLOAD, beside the running program, or in the build
  * folder. [main], waits up to 20 s. */
 #ifndef MAROTTE_IO_MESH_CHILD_H
@@ -10,7 +10,7 @@
 
 CHECKED mrt_result mesh_child_read(mesh *out, const char *path, error *err);
 
-/* The argument that makes it decode jobs. A path that is this word is written ./--decode. */
+/* Argument that selects decoding of jobs. A file with this name is passed as ./--decode. */
 #define MESH_CHILD_DECODE "--decode"
 
 /* ---- the output of marotte-meshload: a mesh without parts, or an error ---- */

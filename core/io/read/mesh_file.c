@@ -19,7 +19,7 @@ typedef enum mesh_format {
     FORMAT_PLY,
     FORMAT_OFF,
     FORMAT_GLTF,
-    FORMAT_FOREIGN /* OpenMesh reads it */
+    FORMAT_FOREIGN /* read by OpenMesh */
 } mesh_format;
 
 /* ---- detecting the format ---- */

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* ---- turning ---- */
+/* ---- rotation ---- */
 
 static int line_of(mesh_axis axis) /* x 0, y 1, z 2 */
 {
@@ -55,9 +55,9 @@ static void turn_axes(mesh *m)
         }
 }
 
-/* ---- by the skeleton ---- */
+/* ---- axes from the skeleton ---- */
 
-/* Returns the axis nearest to the vector; AUTO: none is clear. */
+/* Returns the axis nearest to the vector; AUTO: not clear. */
 static mesh_axis nearest_axis(const double vector[3])
 {
     double length = sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
@@ -94,7 +94,7 @@ static const mesh_joint *find_joint(const mesh *m, const char *role, const char 
     return NULL;
 }
 
-/* Whether `right` is the name of `left` with the other side's word. */
+/* Returns whether `right` is the name `left` with the sides exchanged. */
 static bool is_other_side(const char *left, const char *right)
 {
     const char *l = left, *r = right;
@@ -152,7 +152,7 @@ static bool find_by_skeleton(const mesh *m, mesh_axis *out_up, mesh_axis *out_fo
            line_of(*out_up) != line_of(*out_forward);
 }
 
-/* ---- by the shape ---- */
+/* ---- axes from the shape ---- */
 
 /* Finds the direction of the small triangles, which are the features of a face. It is the mean
  * centre of the triangles minus that of the area, in parts of the box. */
@@ -222,8 +222,8 @@ static void find_wander(double out[2], const mesh *m, const float low[3], const 
 }
 
 /* Finds the axes by shape, in clear cases only. One is a head with its features where glTF has the
- * back of the head or an ear, or where a modeller with z up has the face. The other is a body that
- * is tall along z. */
+ * back of the head or an ear, or where z-up modelling programs have the face. The other is a body
+ * that is tall along z. */
 static bool find_by_shape(const mesh *m, mesh_axis *out_up, mesh_axis *out_forward)
 {
     enum { TRIANGLES_MIN = 300 };
@@ -264,7 +264,7 @@ static bool find_by_shape(const mesh *m, mesh_axis *out_up, mesh_axis *out_forwa
 
 /* ---- axes ---- */
 
-/* Completes a pair of axes of which one is set, with the usual other one. */
+/* Sets the missing one of two axes to its usual value. */
 static void complete(mesh_axis *up, mesh_axis *forward)
 {
     if (*up == MESH_AXIS_AUTO)
@@ -281,18 +281,18 @@ static mrt_result set_axes(mesh *m, const mesh_frame *given, error *err)
     if (!is_given && (m->up != MESH_AXIS_AUTO || m->forward != MESH_AXIS_AUTO)) {
         up = m->up;
         forward = m->forward;
-        why = "as VRM 0 has it";
+        why = "standard of VRM 0";
     } else if (!is_given && find_by_skeleton(m, &up, &forward)) {
-        why = "by its skeleton";
+        why = "from its skeleton";
     } else if (!is_given && m->joint_count == 0 && find_by_shape(m, &up, &forward)) {
-        why = "by its shape";
+        why = "from its shape";
     } else if (!is_given) {
         up = forward = MESH_AXIS_AUTO;
     }
     complete(&up, &forward);
     if (line_of(up) == line_of(forward))
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "--up %s and --forward %s are one line: they must be at right angles",
+                         "--up %s and --forward %s are on one line: they must be at right angles",
                          mesh_axis_name(up), mesh_axis_name(forward));
     m->up = up;
     m->forward = forward;
@@ -300,10 +300,8 @@ static mrt_result set_axes(mesh *m, const mesh_frame *given, error *err)
         return MRT_OK;
     turn_axes(m);
     if (why)
-        mesh_note(
-            m,
-            "its axes are detected as up %s, forward %s (%s): set others with --up and --forward",
-            mesh_axis_name(up), mesh_axis_name(forward), why);
+        mesh_note(m, "detected axes: up %s, forward %s (%s). Change them with --up and --forward",
+                  mesh_axis_name(up), mesh_axis_name(forward), why);
     return MRT_OK;
 }
 
@@ -371,7 +369,7 @@ static double guess_mm_per_unit(mesh *m, double format_mm)
     s.is_head = !is_body_by_joints && (is_flat || s.height < 2.8 * thinner);
     if (!(s.height > 0.0 && isfinite(s.height)) || (is_flat && format_mm > 0.0))
         return format_mm > 0.0 ? format_mm : 1.0;
-    /* No note is needed, also for a thin mask if the format has a unit. */
+    /* No note is needed. This includes a thin mask if the format has a unit. */
     bool is_of_heads_size =
         s.height * format_mm >= head_least_mm && s.height * format_mm <= head_most_mm;
     if (is_of_heads_size || is_likely(&s, format_mm))
@@ -379,7 +377,7 @@ static double guess_mm_per_unit(mesh *m, double format_mm)
     for (size_t i = 0; i < sizeof unit / sizeof *unit; ++i)
         if (is_likely(&s, unit[i].mm)) {
             m->is_unit_guessed = true;
-            mesh_note(m, "the unit is taken for %s: so the height is %.0f mm (--unit says another)",
+            mesh_note(m, "assumed unit: %s, which makes the height %.0f mm. Change it with --unit",
                       unit[i].name, s.height * unit[i].mm);
             return unit[i].mm;
         }
@@ -389,8 +387,8 @@ static double guess_mm_per_unit(mesh *m, double format_mm)
     m->is_unit_guessed = true;
     mesh_note(
         m,
-        "%g units high, which is no %s's height in mm, cm or m: a unit is taken for %g mm, so "
-        "the height is %.0f mm (--unit says another)",
+        "the height of %g units does not fit a %s in mm, cm or m. Assumed unit: %g mm, which makes "
+        "the height %.0f mm. Change it with --unit",
         s.height, s.is_head ? "head" : "body", mm, s.height * mm);
     return mm;
 }

@@ -1,12 +1,12 @@
-/* io/read/mesh_frame.h - detects the unit and the axes of a mesh file if they are unknown, reports
- * them in the mesh's note, and converts the mesh to mm, up +y, forward +z. Leaves out the file
- * formats. Pure. */
+/* io/read/mesh_frame.h - detects the unit and the axes of a mesh file if they are unknown, and
+ * reports them in the mesh's note. Converts the mesh to mm, up +y, forward +z. Does not cover the
+ * file formats. Pure. */
 #ifndef MAROTTE_IO_MESH_FRAME_H
 #define MAROTTE_IO_MESH_FRAME_H
 #include "mesh/mesh.h"
 
 /* `given`: the values that the user set; zero: not set. format_mm: the unit of the format (glTF:
- * 1000); 0: it has none. m->up and m->forward: the axes in the file, or MESH_AXIS_AUTO. */
+ * 1000); 0: none. m->up and m->forward: the axes in the file, or MESH_AXIS_AUTO. */
 CHECKED mrt_result mesh_frame_apply(mesh *m, const mesh_frame *given, double format_mm, error *err);
 
 #endif

@@ -1,7 +1,8 @@
-/* marotte-meshload FILE | --decode - other people's readers in a process of their own, with little
- * memory and little time: OpenMesh's, of a file, the mesh to the standard output as
- * io/read/mesh_child.h has it; or the decoders of io/decode/decode.h, jobs from the standard input.
- * Started by io/read/mesh_child.c, of no use to people. Exits 0 / 1 (failed) / 2 (usage). */
+/* marotte-meshload FILE | --decode - runs readers of other libraries in a separate process with
+ * little memory and time. With FILE it reads the file with OpenMesh and writes the mesh to standard
+ * output (io/read/mesh_child.h). With --decode it runs the decoders of io/decode/decode.h on jobs
+ * from standard input. Only io/read/mesh_child.c starts it. Exits with 0, 1 (failed) or 2 (usage).
+ */
 #include "base/program.h"
 #include "io/decode/decode.h"
 #include "io/read/mesh_child.h"
@@ -23,8 +24,8 @@ int main(int argument_count, char **arguments)
     program_limit(RLIMIT_CORE, 0, 0);
     bool decodes = strcmp(arguments[1], MESH_CHILD_DECODE) == 0;
     rlim_t patience_s = decodes ? 10 : 3;
-    program_limit(RLIMIT_CPU, patience_s,
-                  patience_s + 1); /* SIGXCPU, which has a name, before SIGKILL */
+    /* SIGXCPU, which identifies the limit, comes one second before SIGKILL. */
+    program_limit(RLIMIT_CPU, patience_s, patience_s + 1);
     program_limit(RLIMIT_AS, memory_bytes, memory_bytes);
     if (decodes)
         return decode_serve(stdin, stdout) ? 0 : 1;

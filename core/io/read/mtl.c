@@ -20,7 +20,7 @@ static mrt_result no_memory(error *err)
 
 /* ---- names of files ---- */
 
-/* "mat/../tex" is "tex", in place. */
+/* Simplifies a path in place: "mat/../tex" becomes "tex". */
 static void straighten(char *path)
 {
     for (char *up = strstr(path, "/../"); up; up = strstr(path, "/../")) {
@@ -28,14 +28,14 @@ static void straighten(char *path)
         while (before > path && before[-1] != '/')
             before -= 1;
         if (before == up || strncmp(before, "../", 3) == 0)
-            return; /* above where it began */
+            return; /* above the start folder */
         memmove(before, up + 4, strlen(up + 4) + 1);
     }
 }
 
 /* Resolves a file name, also with backslashes: "textures\skin.png". An absolute path of another
  * computer, "C:\work\skin.png" or "/home/her/skin.png", becomes "skin.png", which may be beside the
- * OBJ. False: it cannot be a file name. */
+ * OBJ. Returns false if it cannot be a file name. */
 static bool resolve(char out[PATH_MAX], const char *folder, text_view name)
 {
     size_t begin = strlen(folder), length = (size_t)(name.end - name.at);
@@ -70,7 +70,7 @@ static float within(float number, float low, float high)
     return number > low ? (number < high ? number : high) : low;
 }
 
-/* "r g b" or "r", which is grey. */
+/* Reads "r g b", or "r" as grey. */
 static bool read_colour(float out[3], text_view rest, float most)
 {
     float number[3];
@@ -113,7 +113,7 @@ static bool read_transparency(mtl_material *m, text_view rest)
 
 /* ---- pictures and their options ---- */
 
-/* Up to `most` numbers; the others stay. */
+/* Reads up to `most` numbers; missing numbers keep their value. */
 static bool read_numbers(float *out, int most, text_view *rest)
 {
     int count = 0;
@@ -132,8 +132,8 @@ static void uv_transform(mesh_texture *out, const float scale[3], const float sh
         out->uv_transform[i] = within(of_glTF[i], -1e6f, 1e6f);
 }
 
-/* Reads an option of a picture; unused ones are skipped with their arguments. False: it is unknown
- * or invalid. */
+/* Reads an option of a picture; unused ones are skipped with their arguments. Returns false if it
+ * is unknown or invalid. */
 static bool read_option(mtl_map *map, float scale[3], float shift[3], text_view option,
                         text_view *rest)
 {
@@ -195,7 +195,7 @@ static mrt_result add_material(mtl_library *library, text_view name, error *err)
 {
     char clean[MESH_BUILD_NAME_LENGTH_MAX + 1];
     if (library->count == MESH_BUILD_NAMES_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "more than %d materials are not accepted",
+        return error_set(err, MRT_ERR_UNSUPPORTED, "at most %d materials are allowed",
                          MESH_BUILD_NAMES_MAX);
     mrt_result result = mesh_build_grow((void **)&library->material, &library->capacity,
                                         library->count + 1, sizeof *library->material, err);
@@ -268,11 +268,11 @@ static mrt_result read_one(mtl_library *library, text_view name, const char *dir
     char path[PATH_MAX];
     file_bytes bytes;
     if (!resolve(path, "", name))
-        return error_set(err, MRT_ERR_FORMAT, "that is not the name of a file");
+        return error_set(err, MRT_ERR_FORMAT, "that is not a file name");
     if (is_known(library, path))
         return MRT_OK;
     if (library->file_count == MTL_FILES_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "more than %d files of materials are not read",
+        return error_set(err, MRT_ERR_UNSUPPORTED, "at most %d material files are read",
                          MTL_FILES_MAX);
     mrt_result result = file_read_below(&bytes, directory, path, FILE_SIZE_MAX, err);
     if (result < 0)
@@ -322,7 +322,7 @@ void mtl_library_finish(mtl_library *library)
     *library = (mtl_library){0};
 }
 
-/* ---- onto a mesh ---- */
+/* ---- applying materials to a mesh ---- */
 
 enum { TRIED_MAX = 64 };
 
@@ -349,7 +349,7 @@ static mrt_result add_picture(applying *a, uint32_t *out_image, const char *file
     return result;
 }
 
-/* 1 + its index; 0: it is not drawn. */
+/* Returns 1 + the index of a picture; 0: not drawn. */
 static uint32_t picture(applying *a, const char *file)
 {
     uint32_t image = 0;
@@ -359,7 +359,7 @@ static uint32_t picture(applying *a, const char *file)
             return a->image[i];
     if (a->tried_count == TRIED_MAX) {
         if (!a->is_full)
-            mesh_note(a->m, "of its pictures the first %d are drawn", TRIED_MAX);
+            mesh_note(a->m, "only the first %d of its pictures are drawn", TRIED_MAX);
         a->is_full = true;
         return 0;
     }
@@ -454,7 +454,7 @@ uint32_t mtl_apply(mesh *m, mtl_library *library, const char *directory, size_t 
     }
     if (missing)
         mesh_note(m,
-                  "%u of its materials are in no file of materials, the first is \"%s\": they "
+                  "%u of its materials are not in any material file, the first is \"%s\": they "
                   "are grey",
                   missing, m->material[first_missing].name);
     if (library->malformed_count)

@@ -1,5 +1,5 @@
 /* io/read/mtl.h - reads the material files of an OBJ: the look of its materials, and their
- * pictures. Leaves out the OBJ's own text (obj.c) and decoding (mesh_images.h). [main] */
+ * pictures. Does not cover the text of the OBJ (obj.c) and decoding (mesh_images.h). [main] */
 #ifndef MAROTTE_IO_MTL_H
 #define MAROTTE_IO_MTL_H
 #include "base/text.h"
@@ -8,7 +8,7 @@
 typedef enum mtl_use { MTL_BASE = 0, MTL_CLEAR, MTL_EMISSION, MTL_NORMAL, MTL_USES } mtl_use;
 
 typedef struct mtl_map { /* a picture that has not been read yet */
-    char *file;          /* from the folder of the OBJ; NULL: none */
+    char *file;          /* relative to the folder of the OBJ; NULL: none */
     mesh_texture placed; /* image 0 */
     float amount;        /* -bm */
 } mtl_map;
@@ -17,7 +17,7 @@ typedef struct mtl_material {
     char *name;         /* printable */
     mesh_material look; /* without name and pictures */
     mtl_map map[MTL_USES];
-    bool says_opacity; /* by d, which is clearer than Tr */
+    bool says_opacity; /* set by d, which has priority over Tr */
     size_t order;      /* reading order: of two materials with one name the later one is used */
 } mtl_material;
 
@@ -32,8 +32,8 @@ typedef struct mtl_library {
     uint64_t malformed_line;
 } mtl_library;
 
-/* Appends the materials of one file. `folder`: of the file, seen from the OBJ's, "" or with its
- * last '/'. Lines that make no sense are counted, statements that are not needed passed over. */
+/* Appends the materials of one file. `folder`: that of the file, relative to the OBJ, "" or with
+ * its last '/'. Invalid lines are counted. Unused statements are skipped. */
 CHECKED mrt_result mtl_parse(mtl_library *library, const void *data, size_t size,
                              const char *folder, error *err);
 /* Appends the files of an mtllib statement of an OBJ in `directory` (as in obj_parse): one file, or

@@ -32,7 +32,7 @@ static bool next_line(obj_reader *r)
     return text_next_line(&r->rest, &r->line);
 }
 
-/* As text_next_word, but continues on the next line after a single backslash. */
+/* Like text_next_word, but continues on the next line after a single backslash. */
 static bool next_word(obj_reader *r, text_view *out_word)
 {
     while (text_next_word(&r->line, out_word)) {
@@ -191,7 +191,7 @@ static mrt_result add_looks(mesh *m, text_view text, const char *directory, mesh
         if (one == MRT_ERR_MEMORY)
             result = error_set(err, one, "%s", why.text);
         else if (one < 0)
-            mesh_note(m, "its materials \"%s\" are not read, it is grey: %s", shown, why.text);
+            mesh_note(m, "its materials \"%s\" cannot be read, so it is grey: %s", shown, why.text);
     }
     uint32_t without_uv = result >= 0 ? mtl_apply(m, &library, directory, size) : 0;
     if (without_uv && vertices == MESH_VERTICES_AS_WRITTEN)
@@ -245,7 +245,7 @@ mrt_result obj_parse(mesh *out, const void *data, size_t size, const char *direc
     return result;
 }
 
-/* ---- what belongs to it ---- */
+/* ---- files that an OBJ refers to ---- */
 
 static mrt_result tell(const char *directory, const char *name, obj_file *found, void *self,
                        error *err)

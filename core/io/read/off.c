@@ -1,5 +1,5 @@
 /* Geomview OFF as text: [ST][C][N]OFF. Normals are kept; colours and texture coordinates are
- * checked to be numbers and passed over. */
+ * checked to be numbers and skipped. */
 #include "io/read/mesh_build.h"
 #include "io/mesh_file.h"
 
@@ -9,14 +9,14 @@ enum { VERTEX_BYTES_MIN = 5, FACE_BYTES_MIN = 7 };
 
 typedef struct off_reader {
     mesh_build build;
-    text_view rest, line; /* line: what is left of it, without its comment */
+    text_view rest, line; /* line: its unread part, without the comment */
     uint64_t line_number;
     int64_t vertex_count, face_count;
     bool has_normals;
     error *err;
 } off_reader;
 
-/* The next line that holds something but a comment. */
+/* Reads the next line that is not empty or a comment. */
 static mrt_result next_line(off_reader *r, const char *expected)
 {
     text_view line;

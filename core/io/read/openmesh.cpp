@@ -21,7 +21,7 @@ namespace
 typedef OpenMesh::TriMesh_ArrayKernelT<> half_edges;
 typedef OpenMesh::PolyMesh_ArrayKernelT<> polygons;
 
-/* OpenMesh tells std::cerr about every face that it refuses: never again, whichever threads use it.
+/* Turns off OpenMesh's messages about refused faces on std::cerr, for all threads.
  */
 void silence()
 {
@@ -29,7 +29,7 @@ void silence()
     (void)is_silent;
 }
 
-/* Memory that topology_destroy frees. */
+/* Returns a copy that topology_destroy frees. */
 template <class T> T *copied(const std::vector<T> &from)
 {
     T *out = static_cast<T *>(malloc((from.size() + 1) * sizeof(T)));
@@ -44,11 +44,11 @@ uint32_t index_of(const OpenMesh::BaseHandle &handle)
     return (uint32_t)handle.idx();
 }
 
-/* Adds all vertices and the faces that a manifold can hold; the others are listed. */
+/* Adds all vertices, and the faces that a manifold can have. Returns the other faces. */
 std::vector<uint32_t> build(half_edges &out, const mesh &m)
 {
     std::vector<uint32_t> rejected;
-    /* A border has an edge more for each two of its triangles. */
+    /* At a border there is one more edge for every two triangles. */
     out.reserve(m.vertex_count, (size_t)m.triangle_count * 13 / 8 + 64, m.triangle_count);
     for (size_t v = 0; v < m.vertex_count; ++v) {
         const float *p = m.position + v * 3;
@@ -69,7 +69,7 @@ std::vector<uint32_t> build(half_edges &out, const mesh &m)
     return rejected;
 }
 
-/* Rows of neighbours, ascending. */
+/* Writes the neighbours of each vertex, ascending. */
 void write_neighbours(topology &out, const half_edges &mesh)
 {
     std::vector<uint32_t> start(mesh.n_vertices() + 1, 0), next, neighbour(mesh.n_halfedges());
@@ -150,9 +150,9 @@ void write_topology(topology &out, const mesh &m)
     count_components(out);
 }
 
-/* What the readers hand over, as they found it: OpenMesh's own importer doubles the vertices of
- * faces that a manifold cannot hold. Vertices go into a mesh, as do the half-edges of .om files,
- * which come without lists of corners. */
+/* Collects the unchanged data of the readers. OpenMesh's own importer would duplicate the vertices
+ * of faces that a manifold cannot have. Vertices are added to a mesh. So are the half-edges of .om
+ * files, which have no lists of corners. */
 class collector : public OpenMesh::IO::ImporterT<polygons>
 {
   public:
@@ -201,8 +201,8 @@ class collector : public OpenMesh::IO::ImporterT<polygons>
 
   private:
     polygons &mesh_;
-    std::vector<int> corners_;     /* of all faces */
-    std::vector<size_t> face_end_; /* in corners_ */
+    std::vector<int> corners_;     /* corners of all faces */
+    std::vector<size_t> face_end_; /* end of each face in corners_ */
 };
 
 mrt_result read_with_openmesh(mesh &out, const char *path, mesh_build &build, error &failed)

@@ -1,5 +1,5 @@
 /* Stanford PLY, text and binary of either byte order: x y z, normals, colours, faces and triangle
- * strips; other floating-point properties of the vertices become attributes of the same name. */
+ * strips. Other floating-point properties of the vertices become attributes with the same name. */
 #include "io/read/mesh_build.h"
 
 #include "base/srgb.h"
@@ -218,7 +218,7 @@ static mrt_result parse_header(ply_header *out, text_view *rest, error *err)
 
 /* ---- the body ---- */
 
-/* Where the value of a vertex property goes: the first nine are in this order in `value`. */
+/* Use of a vertex property. The first nine are indices into `value`. */
 typedef enum ply_role {
     ROLE_X = 0,
     ROLE_NX = 3,
@@ -231,7 +231,7 @@ typedef enum ply_role {
 typedef struct ply_reader {
     ply_header header;
     mesh_build build;
-    text_view rest, line; /* line: what is left of the current one (text) */
+    text_view rest, line; /* line: unread part of the current line (text) */
     uint64_t line_number;
     ply_role role[PLY_PROPERTIES_MAX]; /* of the vertex element's properties */
     bool has_role[ROLE_ATTRIBUTE];
@@ -239,7 +239,7 @@ typedef struct ply_reader {
     uint32_t attribute_count, passed_over_count;
     float *attribute; /* vertex by attribute_count */
     size_t attribute_capacity;
-    float colour_full; /* what whole-numbered colours count up to; 1: they are numbers */
+    float colour_full; /* maximum of integer colours; 1: floating-point colours */
     float *colour;     /* vertex by 4, linear */
     size_t colour_capacity;
     error *err;
@@ -381,7 +381,7 @@ static mrt_result assign_roles(ply_reader *r, const ply_element *e)
         const ply_property *property = &r->header.property[e->first_property + i];
         ply_role role = property->list_type ? ROLE_PASSED_OVER : known_role(property->name);
         if (role < ROLE_ATTRIBUTE && r->has_role[role])
-            return error_set(r->err, MRT_ERR_FORMAT, "property \"%s\" is there twice",
+            return error_set(r->err, MRT_ERR_FORMAT, "property \"%s\" appears twice",
                              property->name);
         if (role < ROLE_ATTRIBUTE) {
             r->has_role[role] = true;
@@ -428,7 +428,7 @@ static mrt_result read_vertex_values(ply_reader *r, const ply_element *e, float 
     return MRT_OK;
 }
 
-/* sRGB-coded, as scanners and editors write them. */
+/* Converts an sRGB value to linear. Scanners and editors write colours in sRGB. */
 static float linear_of_srgb(float coded)
 {
     double c = coded > 0.0f ? (coded < 1.0f ? (double)coded : 1.0) : 0.0;
@@ -467,7 +467,7 @@ static mrt_result read_vertex(ply_reader *r, const ply_element *e)
     return result;
 }
 
-/* ---- faces and the rest ---- */
+/* ---- faces and other elements ---- */
 
 static bool is_corner_list(const ply_property *property)
 {
@@ -530,7 +530,7 @@ static mrt_result read_strips(ply_reader *r, const ply_property *property)
     return result;
 }
 
-/* An element each of whose properties is passed over, but for the list of its corners. */
+/* Reads an element. Skips all its properties except the list of its corners. */
 static mrt_result read_surface(ply_reader *r, const ply_element *e,
                                mrt_result (*read_list)(ply_reader *, const ply_property *))
 {
@@ -599,7 +599,7 @@ static mrt_result read_body(ply_reader *r)
         mrt_result result;
         if (strcmp(e->name, "vertex") == 0) {
             if (has_vertices)
-                return error_set(r->err, MRT_ERR_FORMAT, "element \"vertex\" is there twice");
+                return error_set(r->err, MRT_ERR_FORMAT, "element \"vertex\" appears twice");
             has_vertices = true;
             result = assign_roles(r, e);
             if (result == MRT_OK)

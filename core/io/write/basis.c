@@ -6,7 +6,7 @@
 
 double basis_dot(const float *a, const float *b, size_t length)
 {
-    enum { LANES = 8 }; /* sums side by side, so that they need not wait for each other */
+    enum { LANES = 8 }; /* independent sums, which the processor can compute in parallel */
     double sum[LANES] = {0.0};
     size_t d = 0;
     for (; d + LANES <= length; d += LANES)
@@ -23,8 +23,8 @@ void basis_subtract(float *out, float weight, const float *axis, size_t length)
         out[d] -= weight * axis[d];
 }
 
-/* Removes the axes in use from the row, twice (once is not enough in float32), and scales it to
- * unit length. False: only rounding was left. */
+/* Removes the axes in use from the row, twice because once is not enough in float32. Scales the row
+ * to unit length. Returns false if only rounding errors were left. */
 static bool orthonormalise(const basis *b, float *row)
 {
     double before = sqrt(basis_dot(row, row, b->length));

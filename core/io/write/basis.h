@@ -1,7 +1,7 @@
 /* io/write/basis.h - a growing orthonormal basis: from candidate directions in order of their
  * strength, then from any residual that is still too large. Rows are float32, inner products
- * float64 in a fixed order, so the bits are the same on all machines. Leaves out the choice of
- * candidates. Any thread. */
+ * float64 in a fixed order, so the bits are the same on all machines. Does not cover the choice of
+ * candidates. [any] */
 #ifndef MAROTTE_IO_BASIS_H
 #define MAROTTE_IO_BASIS_H
 #include <stdbool.h>
@@ -11,8 +11,8 @@ typedef struct basis {
     float *axis; /* capacity by length; owned: rows 0..count-1 are orthonormal */
     size_t count, capacity;
     float *candidate; /* candidate_count by length; owned: of any length and direction */
-    size_t candidate_count, next; /* the first that has not been tried */
-    size_t cap;                   /* greatest count */
+    size_t candidate_count, next; /* next: first untried candidate */
+    size_t cap;                   /* maximum of count */
     size_t length;
 } basis;
 
@@ -20,11 +20,11 @@ double basis_dot(const float *a, const float *b, size_t length);
 /* out -= weight * axis */
 void basis_subtract(float *out, float weight, const float *axis, size_t length);
 
-/* Adds the next candidate that is not spanned yet. False: the cap is reached, all candidates are
- * used, or memory ran out. To remove axes, restore count and next. */
+/* Adds the next candidate that is not spanned yet. Returns false if the cap is reached, all
+ * candidates are used, or memory ran out. To remove axes, restore count and next. */
 bool basis_add_candidate(basis *b);
-/* Adds the direction of `residual`. False: the cap is reached, it is already spanned, or memory ran
- * out. */
+/* Adds the direction of `residual`. Returns false if the cap is reached, it is already spanned, or
+ * memory ran out. */
 bool basis_add(basis *b, const float *residual);
 void basis_finish(basis *b);
 

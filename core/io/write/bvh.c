@@ -20,10 +20,10 @@ static const char *const side_names[2] = {"Left", "Right"};
 enum { BONES_A_FINGER = 4 };
 
 typedef struct bvh_hand {
-    bool is_there;                  /* in any frame */
-    vec3 rest[MRT_JOINTS];          /* mm, from the wrist; the hand flat, as long as this one */
-    double last_zxy[MRT_JOINTS][3]; /* of the frame before */
-    vec3 aside;                     /* mm: where a wrist that nothing tracks is shown */
+    bool is_there;                  /* present in some frame */
+    vec3 rest[MRT_JOINTS];          /* mm, from the wrist: a flat hand of the same length */
+    double last_zxy[MRT_JOINTS][3]; /* of the previous frame */
+    vec3 aside;                     /* mm: position of an untracked wrist */
 } bvh_hand;
 
 static vec3 joint_at(const double *hand, int joint)
@@ -42,22 +42,22 @@ static bool is_tip(int joint)
     return joint > 0 && joint % BONES_A_FINGER == 0;
 }
 
-/* The smallest rotation that brings one direction to another. */
+/* Returns the smallest rotation from one direction to another. */
 static rigid rotation_between(vec3 from, vec3 to)
 {
     const vec3 x = {1, 0, 0};
     vec3 a = vec3_normalised(from, x), b = vec3_normalised(to, x);
     vec3 axis = vec3_cross(a, b);
     double q[4] = {axis.x, axis.y, axis.z, 1.0 + vec3_dot(a, b)};
-    if (q[3] < 1e-9) { /* right about: any axis across */
+    if (q[3] < 1e-9) { /* opposite directions: any perpendicular axis */
         vec3 across = vec3_cross(a, fabs(a.x) < 0.9 ? x : (vec3){0, 1, 0});
         q[0] = across.x, q[1] = across.y, q[2] = across.z, q[3] = 0.0;
     }
     return rigid_from_quaternion(q, (vec3){0, 0, 0});
 }
 
-/* Columns: along the fingers, out of the palm, and what is across: of the wrist and two knuckles
- * that the palm's arch does not move. */
+/* Returns a frame of the wrist and two knuckles that the arch of the palm does not move. Columns:
+ * along the fingers, out of the palm, and perpendicular to both. */
 static rigid palm_of(vec3 wrist, vec3 index, vec3 middle)
 {
     vec3 along = vec3_normalised(vec3_sub(middle, wrist), (vec3){0, 0, 1});
@@ -75,13 +75,13 @@ static rigid wrist_rotation(const bvh_hand *of, const double *hand)
     return rigid_compose(&now, &back);
 }
 
-/* Angles in the order of the channels, degrees: R = Rz Rx Ry. */
+/* Computes the angles in the order of the channels, degrees: R = Rz Rx Ry. */
 static void euler_of(const rigid *m, double out_zxy[3])
 {
     const double degrees = 180.0 / ANGLE_PI;
     double sine = fmin(fmax(m->r[2][1], -1.0), 1.0);
     out_zxy[1] = asin(sine) * degrees;
-    if (fabs(sine) > 1.0 - 1e-12) { /* y and z turn about the same axis */
+    if (fabs(sine) > 1.0 - 1e-12) { /* gimbal lock: y and z rotate about the same axis */
         out_zxy[0] = atan2(m->r[1][0], m->r[0][0]) * degrees;
         out_zxy[2] = 0.0;
         return;
@@ -90,7 +90,7 @@ static void euler_of(const rigid *m, double out_zxy[3])
     out_zxy[2] = atan2(-m->r[2][0], m->r[2][2]) * degrees;
 }
 
-/* Chooses the equal rotation nearest to that of the frame before, so that interpolation between
+/* Chooses the equal rotation nearest to that of the previous frame, so that interpolation between
  * frames does not jump. */
 static void stay_near(double zxy[3], const double last[3])
 {
@@ -126,7 +126,7 @@ static mrt_result measure(bvh_hand *out, const clip *c, uint32_t side, error *er
     }
     if (!out->is_there)
         return MRT_OK;
-    /* A hand of another length is the same hand, scaled. */
+    /* All hands have the same proportions, so the flat hand is scaled to this length. */
     const float flat[MRT_ANGLES] = {0};
     mrt_vec3 joint[MRT_JOINTS], palm[MRT_PALM];
     const rigid origin = rigid_identity();
@@ -199,8 +199,8 @@ static void put_channels(FILE *out, const vec3 *position, double per_mm, const r
     fprintf(out, "%.6f %.6f %.6f ", zxy[0], zxy[1], zxy[2]);
 }
 
-/* hand: 3 for each joint; NULL: as at rest. */
-static void put_pose(FILE *out, bvh_hand *of, const double *hand, double per_mm)
+/* Writes a pose. hand: 3 numbers for each joint; NULL: the rest pose. */
+static void write_pose(FILE *out, bvh_hand *of, const double *hand, double per_mm)
 {
     const rigid still = rigid_identity();
     rigid palm = hand ? wrist_rotation(of, hand) : still;
@@ -208,7 +208,7 @@ static void put_pose(FILE *out, bvh_hand *of, const double *hand, double per_mm)
     put_channels(out, &wrist, per_mm, &palm, of->last_zxy[0]);
     rigid back = rigid_inverse(&palm);
     for (int base = 1; base < MRT_JOINTS; base += BONES_A_FINGER) {
-        rigid to_joint = back; /* from the hand's axes into those of the joint's parent */
+        rigid to_joint = back; /* from the axes of the hand to those of the joint's parent */
         for (int joint = base; joint < base + BONES_A_FINGER; ++joint) {
             vec3 root = of->rest[joint];
             rigid rotation = still;
@@ -243,9 +243,9 @@ static void put_all(FILE *out, const clip *c, bvh_hand *hands, double per_mm,
         fputs("0 0 0 0 0 0 ", out);
         for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
             const double *hand = clip_hand(c, frame, side);
-            last[side] = hand ? hand : last[side]; /* one that is gone is held */
+            last[side] = hand ? hand : last[side]; /* a missing hand keeps its last pose */
             if (hands[side].is_there)
-                put_pose(out, &hands[side], last[side], per_mm);
+                write_pose(out, &hands[side], last[side], per_mm);
         }
         fputc('\n', out);
         export_step(progress, (double)(frame + 1) / (double)clip_frame_count(c));

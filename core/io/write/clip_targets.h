@@ -1,6 +1,7 @@
 /* io/write/clip_targets.h - a clip as morph targets and their weights, like those of gltf_write,
  * for writers of other formats. Anchored frames have exact targets, all others have components.
- * Each target lists the vertices that it moves. Leaves out the file formats. [main] or a worker. */
+ * Each target lists the vertices that it moves. Does not cover the file formats. [main] or a
+ * worker. */
 #ifndef MAROTTE_IO_CLIP_TARGETS_H
 #define MAROTTE_IO_CLIP_TARGETS_H
 #include "io/export.h"
@@ -9,7 +10,7 @@ typedef struct clip_target {
     char *name;
     uint32_t count;
     uint32_t *vertex;       /* count, ascending */
-    float *offset, *normal; /* count by 3: metres, and of the normal, for a weight of 1 */
+    float *offset, *normal; /* count by 3: metres, and change of the normal, for a weight of 1 */
 } clip_target;
 
 typedef struct clip_targets {

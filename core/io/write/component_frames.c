@@ -4,12 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Squares of what lies farther are not safe in float32. */
+/* Maximum offset: the squares of larger offsets are not safe in float32. */
 static const float FARTHEST_M = 1e4f;
 
 static mrt_result no_memory(error *err)
 {
-    return error_set(err, MRT_ERR_MEMORY, "no memory to look at the free frames");
+    return error_set(err, MRT_ERR_MEMORY, "no memory to read the free frames");
 }
 
 mrt_result component_frames_init(component_frames *out, const clip *c, const float *base_m,
@@ -45,10 +45,9 @@ mrt_result component_frames_read(component_frames *f, uint32_t index, float *out
         out[d] = (float)((double)f->position[d] * 0.001 - (double)f->base_m[d]);
     for (size_t d = 0; d < length; ++d)
         if (!(fabsf(out[d]) <= FARTHEST_M))
-            return error_set(
-                err, MRT_ERR_UNSUPPORTED,
-                "frame %u: vertex %zu is not finite or more than %.0f m from its place",
-                f->frame[index], d / 3, (double)FARTHEST_M);
+            return error_set(err, MRT_ERR_UNSUPPORTED,
+                             "frame %u: vertex %zu is not finite or moved more than %.0f m",
+                             f->frame[index], d / 3, (double)FARTHEST_M);
     return MRT_OK;
 }
 
@@ -67,7 +66,7 @@ float component_frames_peak(const float *offset, size_t vertex_count)
     return greatest;
 }
 
-/* ---- those of one window ---- */
+/* ---- the frames of one window ---- */
 
 typedef struct survey {
     double *sum;
@@ -84,7 +83,7 @@ static void see_frame(survey *all, const float *offset, size_t length)
     }
 }
 
-/* Returns the largest movement of a vertex since the frame before. */
+/* Returns the largest movement of a vertex since the previous frame. */
 static double step_from_before(const survey *all, const float *offset, size_t length)
 {
     float greatest = 0.0f;

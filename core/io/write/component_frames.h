@@ -1,6 +1,7 @@
 /* io/write/component_frames.h - the free frames of a clip as offsets from one shape, in metres, and
- * those of one window of time: their base, the vertices that leave it, and the offsets of these.
- * Leaves out the components. Private to the search for components. One thread at a time. */
+ * the frames of one window of time: their base, the vertices that leave the base, and the offsets
+ * of those vertices. Does not cover the components. Private to the search for components. One
+ * thread at a time. */
 #ifndef MAROTTE_IO_COMPONENT_FRAMES_H
 #define MAROTTE_IO_COMPONENT_FRAMES_H
 #include "io/clip.h"
@@ -27,12 +28,13 @@ void component_frames_finish(component_frames *f);
 CHECKED mrt_result component_frames_read(component_frames *f, uint32_t index, float *out,
                                          error *err);
 
-/* Index of the i-th of `picked` frames, evenly spread from the first to the last of `count`. */
+/* Returns the index of the i-th of `picked` frames, evenly spread from the first to the last of
+ * `count`. */
 uint32_t component_frames_spread(uint32_t i, uint32_t picked, uint32_t count);
-/* The greatest x^2 + y^2 + z^2. */
+/* Returns the greatest x^2 + y^2 + z^2. */
 float component_frames_peak(const float *offset, size_t vertex_count);
 
-/* ---- those of one window ---- */
+/* ---- the frames of one window ---- */
 
 typedef enum window_base { WINDOW_BASE_NONE = 0, WINDOW_BASE_MEAN } window_base;
 
@@ -44,9 +46,10 @@ typedef struct window_frames {
     uint8_t *is_moved;     /* per vertex */
     uint32_t *moved;       /* moved_count: vertices, ascending */
     uint32_t moved_count;
-    double *step_m;   /* count: how far the shape goes from the frame before */
+    double *step_m;   /* count: distance of each shape from the previous one */
     float *offset;    /* 3 per vertex: scratch */
-    float still_peak; /* of what was read: greatest square of how far the others are off, m^2 */
+    float still_peak; /* greatest squared error of the other vertices in the frames read so far, m^2
+                       */
 } window_frames;
 
 /* Prepares a window. Its base is the mean of the frames, but 0 for vertices that it moves less than

@@ -16,25 +16,28 @@ static mrt_result no_memory(error *err)
     return error_set(err, MRT_ERR_MEMORY, "no memory to find the components of the free frames");
 }
 
-/* ---- where the windows of a long motion begin: an estimate by some frames and some vertices, the
- * same on every run ---- */
+/* ---- splitting a long motion into windows: an estimate from some frames and vertices, the same on
+ * every run ---- */
 
 typedef struct component_plan {
     uint32_t count;
     uint32_t *first; /* count + 1: the first frame of each window, and the end */
-    uint32_t *need;  /* count: about how many targets each needs, at least 1 */
+    uint32_t *need;  /* count: estimated number of targets of each, at least 1 */
 } component_plan;
 
 /* Maximum numbers of frames and vertices in the estimate. */
 enum { MAX_FRAMES = 1536, MAX_VERTICES = 384, MAX_FRAME_BYTES = 512 << 20 };
-/* Ranks at which a window may end; the whole motion as one window is looked at as well. */
+/* Numbers of axes at which a window may end. One window for the whole motion is considered as well.
+ */
 static const uint32_t LIMIT[] = {32, 48, 64, 96, 128, 192, 256, 384};
 enum { LIMIT_COUNT = sizeof LIMIT / sizeof *LIMIT };
-/* Windows with fewer targets than this show too little when the number of targets is capped. */
+/* Minimum number of targets per window when the number of targets is limited. Fewer would show too
+ * little. */
 enum { FEWEST_PER_WINDOW = 32 };
-/* Multiplications that are worth one byte of the file: about 5 MB per second. */
+/* Exchange rate between work and file size: multiplications per byte, about 5 MB per second. */
 static const double PRODUCTS_PER_BYTE = 1000.0;
-/* Windows need more targets in all: they are made where they cost at most this share. */
+/* Windows need more targets in total. They are used only if their cost is at most this share of the
+ * cost of one window. */
 static const double CLEARLY_CHEAPER = 0.85;
 
 typedef struct planner {
@@ -45,11 +48,11 @@ typedef struct planner {
     float *residual;  /* vertex_count by 3: scratch */
     uint8_t *is_moved;
     float tolerance_square;
-    basis *basis; /* of the window so far, on the vertices looked at */
+    basis *basis; /* of the current window, on the picked vertices */
 } planner;
 
 typedef struct estimate {
-    component_plan plan; /* room for one window per frame looked at */
+    component_plan plan; /* capacity: one window per picked frame */
     uint32_t target_count;
     double cost; /* bytes */
 } estimate;
@@ -59,7 +62,8 @@ static uint32_t picked_frame(const planner *p, uint32_t i)
     return component_frames_spread(i, p->picked, p->frames->count);
 }
 
-/* is_moved: of all vertices, which leave the position of the first frame. */
+/* Finds the vertices that leave their position in the first frame. is_moved: one entry per vertex.
+ */
 static mrt_result find_moved(planner *p, uint8_t *is_moved, uint32_t *out_count, double threshold_m,
                              error *err)
 {
@@ -109,7 +113,7 @@ static mrt_result read_shapes(planner *p, error *err)
     return result;
 }
 
-static mrt_result look(planner *p, double tolerance_m, error *err)
+static mrt_result read_input(planner *p, double tolerance_m, error *err)
 {
     uint32_t moved_count;
     uint8_t *is_moved = calloc(p->frames->vertex_count, 1);
@@ -130,7 +134,8 @@ static mrt_result look(planner *p, double tolerance_m, error *err)
     return result;
 }
 
-/* What the basis leaves of a frame seen from another (NULL: from rest). */
+/* Computes the residual of a frame relative to `origin` (NULL: rest) outside the basis. Returns its
+ * greatest squared length of a vertex. */
 static float leave_residual(const planner *p, const float *shape, const float *origin)
 {
     size_t width = p->basis->length;
@@ -156,7 +161,7 @@ static void close_window(const planner *p, estimate *e, uint32_t end)
     double share = p->vertex_count ? (double)moved / p->vertex_count : 0.0;
     double frames = (double)(end - plan->first[plan->count]);
     double numbers = share * 3.0 * (double)p->frames->vertex_count;
-    double bytes = 2.0 * sizeof(float) * numbers; /* of positions and normals */
+    double bytes = 2.0 * sizeof(float) * numbers; /* of one target: positions and normals */
     e->cost += rank * (bytes + sizeof(float) * (double)p->frames->count);
     e->cost += 2.0 * frames * rank * numbers / PRODUCTS_PER_BYTE;
     plan->need[plan->count++] = rank;
@@ -166,7 +171,7 @@ static void close_window(const planner *p, estimate *e, uint32_t end)
     memset(p->is_moved, 0, p->vertex_count);
 }
 
-/* The bases of several windows. */
+/* Adds the cost of the base of each window, if there are several. */
 static void add_bases(const planner *p, estimate *e)
 {
     if (e->plan.count < 2)
@@ -179,8 +184,8 @@ static void add_bases(const planner *p, estimate *e)
         e->plan.need[w] += 1;
 }
 
-/* Windows that end where more than `limit` directions would be needed (0: one window). Gives up
- * when it costs more than `enough`. */
+/* Estimates windows that end when they would need more than `limit` directions (0: one window).
+ * Stops when the cost exceeds `enough`. */
 static void estimate_windows(const planner *p, estimate *e, uint32_t limit, double enough)
 {
     size_t width = p->basis->length;
@@ -210,7 +215,7 @@ static bool is_allowed(const planner *p, const estimate *e)
            p->cap / FEWEST_PER_WINDOW >= e->plan.count;
 }
 
-/* More targets than numbers in a frame are never needed. */
+/* Refuses a plan with more targets than numbers in a frame, which are never needed. */
 static bool is_worth_it(const planner *p, const estimate *e)
 {
     return is_allowed(p, e) && e->target_count < 3 * (uint64_t)p->frames->vertex_count;
@@ -223,7 +228,7 @@ static void swap_estimates(estimate *a, estimate *b)
     *b = kept;
 }
 
-/* Leaves the cheapest in *best; *other is room to work in. */
+/* Finds the cheapest plan in *best; *other is scratch. */
 static void choose(const planner *p, estimate *best, estimate *other)
 {
     estimate_windows(p, best, 0, (double)INFINITY);
@@ -231,7 +236,7 @@ static void choose(const planner *p, estimate *best, estimate *other)
     for (int i = 0; i < LIMIT_COUNT; ++i) {
         estimate_windows(p, other, LIMIT[i], enough);
         if (other->plan.count == 1)
-            return; /* and so it is with every limit above */
+            return; /* every higher limit also gives one window */
         if (other->cost < enough && is_worth_it(p, other)) {
             swap_estimates(best, other);
             enough = best->cost;
@@ -260,7 +265,7 @@ static void component_plan_finish(component_plan *p)
     *p = (component_plan){0};
 }
 
-/* Windows that make bytes and work together small. cap: of targets in all. */
+/* Chooses windows with a small total of bytes and work. cap: total number of targets. */
 static mrt_result component_plan_make(component_plan *out, component_frames *frames,
                                       double tolerance_m, uint32_t cap, error *err)
 {
@@ -268,7 +273,7 @@ static mrt_result component_plan_make(component_plan *out, component_frames *fra
     planner p = {.frames = frames, .basis = &so_far, .cap = cap, .picked = picked_count(frames)};
     estimate best = {0}, other = {0};
     p.tolerance_square = (float)(tolerance_m * tolerance_m);
-    mrt_result result = look(&p, tolerance_m, err);
+    mrt_result result = read_input(&p, tolerance_m, err);
     if (result == MRT_OK)
         result = estimate_init(&best, p.picked, err);
     if (result == MRT_OK)
@@ -293,12 +298,12 @@ typedef struct window_request {
     uint32_t first_frame, frame_count; /* of the free frames, at least 1 */
     window_base base;
     double tolerance_m;
-    uint32_t cap; /* of targets, the base among them; 1 is taken as 2 */
+    uint32_t cap; /* maximum number of targets, including the base; 1 counts as 2 */
     const export_progress *progress;
-    double done_before, done_share; /* of all there is to do */
+    double done_before, done_share; /* shares of the whole export, for the progress */
 } window_request;
 
-/* Candidates that are tried to help a single frame. */
+/* Number of candidates that are tried for a single frame. */
 enum { CANDIDATES_PER_FRAME = 6 };
 
 typedef struct search {
@@ -316,7 +321,7 @@ typedef struct search {
     float **block_weight;      /* block_count: block_axes by FRAME_BLOCK */
     size_t *block_axes;        /* block_count: axes that the weights were found with */
     float *block_peak;         /* block_count: greatest square of a vertex error, m^2 */
-    uint32_t shown;            /* blocks that the progress knows of */
+    uint32_t shown;            /* number of blocks that were reported to the progress callback */
 } search;
 
 static uint32_t lanes_in_block(const search *s, uint32_t block)
@@ -340,9 +345,9 @@ static mrt_result read_block(search *s, const uint32_t *index, uint32_t lanes, e
 
 /* ---- the axes ---- */
 
-/* Takes the axes from `used` on out of s->residual; whether what is left is within the tolerance.
- */
-static bool holds(search *s, size_t used)
+/* Removes the axes after the first `used` from s->residual. Returns whether the residual is within
+ * the tolerance. */
+static bool is_within_tolerance(search *s, size_t used)
 {
     basis *b = &s->basis;
     for (; used < b->count; ++used) {
@@ -353,18 +358,19 @@ static bool holds(search *s, size_t used)
     return component_frames_peak(s->residual, s->length / 3) <= s->tolerance_square;
 }
 
-/* Adds axes until the frame whose residual after `used` axes is in `lane` holds the tolerance: a
- * few candidates or, where those do not suffice, the direction of what is missing. */
+/* Adds axes until the frame in `lane` is within the tolerance. The lane has its residual after
+ * `used` axes. Tries a few candidates first. If they do not suffice, adds the direction of the
+ * residual. */
 static void grow_for_lane(search *s, uint32_t lane, size_t used)
 {
     basis *b = &s->basis;
     frame_block_get(s->residual, s->block, lane, s->length);
-    if (holds(s, used))
+    if (is_within_tolerance(s, used))
         return;
     size_t count = b->count, next = b->next;
     memcpy(s->missing, s->residual, s->length * sizeof *s->missing);
     for (int i = 0; i < CANDIDATES_PER_FRAME && basis_add_candidate(b); ++i)
-        if (holds(s, b->count - 1))
+        if (is_within_tolerance(s, b->count - 1))
             return;
     b->count = count;
     b->next = next;
@@ -388,8 +394,8 @@ static bool reserve_weights(search *s)
     return true;
 }
 
-/* Weights in s->weight and the greatest error of some frames with the axes in use; more axes
- * come into use when a frame needs them. */
+/* Computes the weights (in s->weight) and the greatest squared error of some frames with the
+ * current axes. Adds axes when a frame needs them. */
 static mrt_result fit(search *s, const uint32_t *index, uint32_t lanes, float *out_peak, error *err)
 {
     basis *b = &s->basis;
@@ -412,7 +418,7 @@ static mrt_result fit(search *s, const uint32_t *index, uint32_t lanes, float *o
     return MRT_OK;
 }
 
-/* The picked frames with the greatest values. */
+/* Returns the picked frames with the greatest values. */
 static uint32_t find_worst(const window_axes *a, double *left, uint32_t index[FRAME_BLOCK])
 {
     uint32_t lanes = a->picked < FRAME_BLOCK ? a->picked : FRAME_BLOCK;
@@ -421,7 +427,7 @@ static uint32_t find_worst(const window_axes *a, double *left, uint32_t index[FR
         for (uint32_t i = 1; i < a->picked; ++i)
             if (left[i] > left[worst])
                 worst = i;
-        left[worst] = -1.0; /* taken */
+        left[worst] = -1.0; /* already chosen */
         index[lane] = a->pick[worst];
     }
     return lanes;
@@ -455,7 +461,7 @@ static mrt_result find_axes(search *s, error *err)
     return result;
 }
 
-/* ---- every frame ---- */
+/* ---- fitting every frame ---- */
 
 static mrt_result fit_block(search *s, uint32_t block, error *err)
 {
@@ -520,9 +526,9 @@ static float least_weight(const component_window *out, size_t component)
     return least;
 }
 
-/* Programs that play a file limit a weight to what a slider shows: 0 to 1. So the base is where all
- * components have their least weight, and they are counted from there. */
-static mrt_result count_from_least(component_window *out, uint32_t vertex_count, error *err)
+/* Moves the base to where all components have their least weight, so that no weight is negative.
+ * Programs that play a file limit weights to the range of a slider, 0 to 1. */
+static mrt_result shift_to_least(component_window *out, uint32_t vertex_count, error *err)
 {
     for (size_t j = 0; j < out->count; ++j) {
         const float *axis = out->axis + j * out->moved_count * 3;
@@ -540,8 +546,8 @@ static mrt_result count_from_least(component_window *out, uint32_t vertex_count,
     return MRT_OK;
 }
 
-/* Scales every axis by the power of two that brings its weights, none below 0, to at most 1: exact
- * in float32. */
+/* Scales each axis by the power of two that brings its weights, which are not negative, to at
+ * most 1. This is exact in float32. */
 static void scale_axes(component_window *out)
 {
     size_t length = (size_t)out->moved_count * 3;
@@ -587,13 +593,13 @@ static mrt_result hand_out(search *s, component_window *out, double *out_error_m
         out->base = s->frames.base;
         s->frames.base = NULL;
     }
-    mrt_result result = count_from_least(out, s->frames.frames->vertex_count, err);
+    mrt_result result = shift_to_least(out, s->frames.frames->vertex_count, err);
     if (result >= 0)
         scale_axes(out);
     return result;
 }
 
-/* Once it is known what moves. */
+/* Allocates the search. Call after the moving vertices are known. */
 static mrt_result search_init(search *s, uint32_t cap, error *err)
 {
     s->length = (size_t)s->frames.moved_count * 3;
@@ -640,7 +646,7 @@ static void window_finish(component_window *w)
     *w = (component_window){0};
 }
 
-/* out_error_m: the greatest distance of a vertex from where it should be. */
+/* Finds the components of one window. out_error_m: greatest error of a vertex, in metres. */
 static mrt_result window_find(component_window *out, double *out_error_m, component_frames *frames,
                               const window_request *wanted, error *err)
 {
@@ -667,7 +673,7 @@ static mrt_result window_find(component_window *out, double *out_error_m, compon
 
 /* ---- all windows ---- */
 
-/* Share of the tolerance that is used: the rest covers what float32 sums lose. */
+/* Share of the tolerance that is used. The rest covers rounding errors of float32 sums. */
 static const double TOLERANCE_SHARE = 0.999;
 
 static uint32_t cap_of(const components_request *wanted, uint32_t vertex_count)

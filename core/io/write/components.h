@@ -1,20 +1,20 @@
 /* io/write/components.h - the free frames of a clip as weighted sums of a few shapes: principal
  * components with a guaranteed maximum vertex error. A long motion is split into windows of time,
  * each with its own base shape and components. Frames are streamed from the clip, and memory is
- * bounded for any length. Leaves out anchored frames. [main] or a worker. */
+ * bounded for any length. Does not cover anchored frames. [main] or a worker. */
 #ifndef MAROTTE_IO_COMPONENTS_H
 #define MAROTTE_IO_COMPONENTS_H
 #include "io/clip.h"
 #include "io/export.h"
 
-/* Limits if no count is requested: the number of targets, and their bytes if each moved every
- * vertex. */
+/* Limits if no count is requested: number of targets, and their bytes if each target moved all
+ * vertices. */
 enum { COMPONENTS_MAX = 2048, COMPONENTS_MAX_BYTES = 192 << 20 };
 
 /* Frames with a common base and components. `moved` lists the vertices that the components move;
  * all others keep their position in the base. */
 typedef struct component_window {
-    uint32_t first_frame, frame_count; /* of components.frame */
+    uint32_t first_frame, frame_count; /* range in components.frame */
     uint32_t count, moved_count;
     float *base;     /* vertex_count by 3: metres from base_m; NULL: none, the base is base_m */
     uint32_t *moved; /* moved_count: vertices, ascending */
@@ -27,16 +27,16 @@ typedef struct components {
     uint32_t target_count; /* components of all windows, and their bases */
     uint32_t *frame;       /* frame_count: the free frames of the clip, ascending */
     component_window *window;
-    /* Over all free frames and vertices, of base_m + base + sum of weight * axis, but for what
-     * their sum in float32 loses. */
+    /* Maximum error over all free frames and vertices, for base_m + base + sum of weight * axis.
+     * Excludes rounding errors of that sum in float32. */
     double max_error_mm;
 } components;
 
 typedef struct components_request {
     const float *base_m; /* vertex_count by 3: the shape that bases and components are added to */
-    double tolerance_mm; /* greatest vertex error wanted, > 0 */
-    uint32_t max_count;  /* number of targets; 0: no limit except those above; few targets make few
-                            windows */
+    double tolerance_mm; /* maximum vertex error, > 0 */
+    uint32_t max_count; /* number of targets; 0: no limit except those above; with few targets there
+                           are few windows */
 } components_request;
 
 /* Finds for each window the fewest leading principal components that keep the tolerance in every

@@ -1,4 +1,4 @@
-/* Tables: the curves of a clip for users, and those of Live Link Face. */
+/* Tables: the curves of a clip for users, and the table of Live Link Face. */
 #include "io/curves.h"
 
 #include "io/write/export_stream.h"
@@ -13,10 +13,10 @@ typedef struct table {
     timecode_rate rate; /* num 0: no time code */
     int64_t first;      /* frame, in time code */
     uint32_t control_count;
-    float *position; /* scratch: of a frame */
+    float *position; /* positions of one frame: scratch */
 } table;
 
-/* Of a frame: the segment that it is in, or the one that its remainder is counted from; -1: none.
+/* Returns the segment of a frame, or the segment that its remainder is relative to; -1: none.
  */
 static int32_t segment_of(const clip *c, uint32_t frame)
 {
@@ -43,8 +43,9 @@ static const char *shape_of(const table *t, uint32_t frame)
     return still ? "anchored" : "free";
 }
 
-/* Names as others may have given them: no separator, quote or control character. */
-static void put_name(FILE *stream, const char *name)
+/* Writes a name without separators, quotes and control characters, which names from files may
+ * contain. */
+static void write_name(FILE *stream, const char *name)
 {
     (void)fputc(',', stream);
     for (; *name; ++name) {
@@ -53,11 +54,11 @@ static void put_name(FILE *stream, const char *name)
     }
 }
 
-static void put_head(const table *t)
+static void write_head(const table *t)
 {
     (void)fputs("frame,timecode,time_s,shape", t->stream);
     for (uint32_t i = 0; i < clip_curve_count(t->clip); ++i)
-        put_name(t->stream, clip_curve_at(t->clip, i)->name);
+        write_name(t->stream, clip_curve_at(t->clip, i)->name);
     for (uint32_t k = 0; k < t->control_count; ++k)
         for (int i = 0; i < 6; ++i)
             (void)fprintf(t->stream, ",control%u.%s.%c", k + 1, i < 3 ? "start" : "end",
@@ -66,12 +67,12 @@ static void put_head(const table *t)
 }
 
 /* Writes a number; pure rounding is written as 0. */
-static void put_number(FILE *stream, double value)
+static void write_number(FILE *stream, double value)
 {
     (void)fprintf(stream, ",%.9g", fabs(value) < 1e-9 ? 0.0 : value);
 }
 
-static void put_curves_of(const table *t, uint32_t frame)
+static void write_curves_of(const table *t, uint32_t frame)
 {
     char timecode[TIMECODE_TEXT] = "";
     const double *value = clip_values(t->clip, frame);
@@ -83,18 +84,18 @@ static void put_curves_of(const table *t, uint32_t frame)
                   shape_of(t, frame));
     for (uint32_t i = 0; i < clip_curve_count(t->clip); ++i)
         if (value && !isnan(value[i]))
-            put_number(t->stream, value[i]);
+            write_number(t->stream, value[i]);
         else
             (void)fputc(',', t->stream);
     for (uint32_t i = 0; i < t->control_count * 6; ++i)
         if (i < count * 6)
-            put_number(t->stream, control[i]);
+            write_number(t->stream, control[i]);
         else
             (void)fputc(',', t->stream);
     (void)fputc('\n', t->stream);
 }
 
-static void put_curves(table *t, const export_progress *progress)
+static void write_curves(table *t, const export_progress *progress)
 {
     const clip_start *start = clip_start_of(t->clip);
     uint32_t frame_count = clip_frame_count(t->clip), count;
@@ -105,9 +106,9 @@ static void put_curves(table *t, const export_progress *progress)
     if (start->rate_num > 0)
         (void)fprintf(t->stream, "# first frame %s (%lld), %u/%u frames a second\n",
                       start->timecode, (long long)start->frame, start->rate_num, start->rate_den);
-    put_head(t);
+    write_head(t);
     for (uint32_t frame = 0; frame < frame_count && !ferror(t->stream); ++frame) {
-        put_curves_of(t, frame);
+        write_curves_of(t, frame);
         export_step(progress, (double)(frame + 1) / (double)frame_count);
     }
 }
@@ -122,7 +123,7 @@ mrt_result csv_write(const char *path, const clip *c, const export_progress *pro
                                    : error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
     if (result >= 0) {
         t.stream = text.writer.stream;
-        put_curves(&t, progress);
+        write_curves(&t, progress);
         result = export_text_close(&text, MRT_OK, err);
     }
     free(t.position);
@@ -131,7 +132,7 @@ mrt_result csv_write(const char *path, const clip *c, const export_progress *pro
 
 /* ---- Live Link Face ---- */
 
-static void put_shapes_of(FILE *stream, const clip *c, uint32_t frame, const char *timecode)
+static void write_shapes_of(FILE *stream, const clip *c, uint32_t frame, const char *timecode)
 {
     const double *value = clip_arkit_values(c, frame);
     (void)fprintf(stream, "%s.000,%d", timecode, ARKIT_CHANNELS);
@@ -140,7 +141,7 @@ static void put_shapes_of(FILE *stream, const clip *c, uint32_t frame, const cha
     (void)fputc('\n', stream);
 }
 
-static void put_shapes(FILE *stream, const clip *c, const export_progress *progress)
+static void write_shapes(FILE *stream, const clip *c, const export_progress *progress)
 {
     timecode_rate rate;
     int64_t first;
@@ -155,7 +156,7 @@ static void put_shapes(FILE *stream, const clip *c, const export_progress *progr
             timecode_write(timecode, rate, first + frame);
         for (char *at = timecode; *at; ++at)
             *at = *at == ';' ? ':' : *at;
-        put_shapes_of(stream, c, frame, timecode);
+        write_shapes_of(stream, c, frame, timecode);
         export_step(progress, (double)(frame + 1) / (double)clip_frame_count(c));
     }
 }
@@ -167,6 +168,6 @@ mrt_result livelink_write(const char *path, const clip *c, const export_progress
     mrt_result result = export_text_open(&text, path, err);
     if (result < 0)
         return result;
-    put_shapes(text.writer.stream, c, progress);
+    write_shapes(text.writer.stream, c, progress);
     return export_text_close(&text, MRT_OK, err);
 }

@@ -1,5 +1,5 @@
 /* io/write/export_stream.h - helpers of the writers of clips: size checks, time code, progress,
- * text files. Leaves out the formats. The thread of the writer. */
+ * text files. Does not cover the formats. Runs in the thread of the writer. */
 #ifndef MAROTTE_IO_EXPORT_STREAM_H
 #define MAROTTE_IO_EXPORT_STREAM_H
 #include "base/file.h"
@@ -13,8 +13,8 @@
 /* Refuses a clip without frames, or with more frames or vertices than an int32 can hold. */
 CHECKED mrt_result export_check_size(const clip *c, const char *path, error *err);
 
-/* Returns the time code of the frames: from clip_start_of, else from 00:00:00:00. num 0: the rate
- * has none. */
+/* Returns the time code of the frames: from clip_start_of, else from 00:00:00:00. num 0: the frame
+ * rate has no time code. */
 void export_timecode(timecode_rate *out_rate, int64_t *out_first, const clip *c);
 
 void export_step(const export_progress *progress, double done);

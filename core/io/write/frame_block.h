@@ -1,7 +1,7 @@
 /* io/write/frame_block.h - the two products of the search for components, on sixteen frames
  * together: inner products of basis rows with each frame, and their subtraction. A block holds one
  * frame per lane: value[d * FRAME_BLOCK + lane], d < length. Sums run over d (or over rows) in
- * ascending order within fixed panels, so the bits are the same on all machines. Pure; any thread.
+ * ascending order within fixed panels, so the bits are the same on all machines. Pure. [any]
  * */
 #ifndef MAROTTE_IO_FRAME_BLOCK_H
 #define MAROTTE_IO_FRAME_BLOCK_H

@@ -1,12 +1,12 @@
-/* The inner loops of frame_block.c, compiled once for each instruction set: the same bits in each.
+/* The inner loops of frame_block.c, compiled once for each instruction set. All give the same bits.
  */
 #include "base/isa.h"
 #include "io/write/frame_block.h"
 
 #include <string.h>
 
-/* Elements of a frame that are worked on at a time: sixteen frames of them stay in the first-level
- * cache. Each panel is summed in float32, the panels in float64. */
+/* Elements of a frame in one panel. The panels of sixteen frames fit in the first-level cache. Sums
+ * within a panel are float32, sums of panels float64. */
 enum { PANEL = 256 };
 enum { TILE_ROWS = 32, TILE_COLUMNS = 64 };
 
@@ -85,7 +85,7 @@ static void subtract_at(float *frame, const float *row, size_t row_count, const 
         frame[lane] -= sum[lane];
 }
 
-/* Rows by columns that stay in the first-level cache, on few enough pages. */
+/* Processes a tile of rows by columns that fits in the first-level cache and uses few pages. */
 static void subtract_tile(float *block, const float *row, size_t row_count, const float *weight,
                           size_t length, size_t size)
 {

@@ -9,7 +9,7 @@ extern "C" {
 #include <sstream>
 
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
-#error "glTF is little-endian: arrays are written as they are in memory"
+#error "glTF is little-endian: arrays are written without conversion"
 #endif
 
 namespace
@@ -75,11 +75,11 @@ struct open_writer {
     file_writer file{};
     ~open_writer()
     {
-        file_writer_abandon(&file); /* nothing once committed */
+        file_writer_abandon(&file); /* no effect after a commit */
     }
 };
 
-void put(open_writer &writer, const void *data, size_t size)
+void append(open_writer &writer, const void *data, size_t size)
 {
     if (std::fwrite(data, 1, size, writer.file.stream) != size)
         gltf_fail(MRT_ERR_IO, "%s: cannot write: %s", writer.file.path, std::strerror(errno));
@@ -204,13 +204,14 @@ std::string gltf_output_json(gltf_output &out)
     std::ostringstream stream;
     tinygltf::TinyGLTF writer;
     if (!writer.WriteGltfSceneToStream(&out.model, stream, false, false))
-        gltf_fail(MRT_ERR_MEMORY, "cannot make the glTF description");
+        gltf_fail(MRT_ERR_MEMORY, "cannot create the JSON of the glTF file");
     nlohmann::json json = nlohmann::json::parse(stream.str());
     json["buffers"] = nlohmann::json::array({{{"byteLength", out.binary_size}}});
     for (auto &member : json.items())
         if (member.key() == "materials")
             for (auto &material : member.value())
-                if (material.is_null()) /* tinygltf's way to write one that is all defaults */
+                if (material.is_null()) /* tinygltf writes null for a material with only default
+                                           values */
                     material = nlohmann::json::object();
     return json.dump();
 }
@@ -234,11 +235,11 @@ uint64_t gltf_output_write(const gltf_output &out, std::string json, const char 
     mrt_result result = file_writer_open(&writer.file, path, &err);
     if (result < 0)
         gltf_fail(result, "%s", err.text);
-    put(writer, header.data(), header.size());
-    put(writer, json.data(), json.size());
-    put(writer, binary_header.data(), binary_header.size());
+    append(writer, header.data(), header.size());
+    append(writer, json.data(), json.size());
+    append(writer, binary_header.data(), binary_header.size());
     for (const gltf_bytes &chunk : out.chunk)
-        put(writer, chunk.data(), chunk.size());
+        append(writer, chunk.data(), chunk.size());
     result = file_writer_commit(&writer.file, &err);
     if (result < 0)
         gltf_fail(result, "%s", err.text);

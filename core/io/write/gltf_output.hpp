@@ -20,7 +20,7 @@ struct gltf_output {
     size_t binary_size = 0;
 };
 
-/* The text with bytes that are no UTF-8 replaced: JSON cannot hold them. NULL gives "". */
+/* Returns the text with invalid UTF-8 replaced, because JSON cannot contain it. NULL gives "". */
 std::string gltf_utf8(const char *text);
 
 template <typename number> gltf_bytes gltf_bytes_of(const std::vector<number> &value)
@@ -31,34 +31,37 @@ template <typename number> gltf_bytes gltf_bytes_of(const std::vector<number> &v
     return data;
 }
 
-/* Of three numbers. */
+/* Returns whether all three numbers are 0. */
 bool gltf_is_zero(const float *v);
 
 /* Fails if a value is not finite; the error names `what`. */
 void gltf_output_check(const float *value, size_t count, const std::string &what);
 
-/* Fails if `size` more bytes are too many for a .glb. */
+/* Fails if a .glb cannot hold `size` more bytes. */
 void gltf_output_reserve(const gltf_output &out, size_t size);
-/* Each returns the index of what it added. `target`: TINYGLTF_TARGET_* or 0. */
+/* Each function below returns the index of the item that it added. `target`: TINYGLTF_TARGET_* or
+ * 0. */
 int gltf_output_view(gltf_output &out, gltf_bytes &&data, int target);
 int gltf_output_accessor(gltf_output &out, tinygltf::Accessor &&accessor);
-/* count by component_count floats, finite, count > 0, with their bounds. */
+/* Adds count by component_count finite floats with their bounds; count > 0. */
 int gltf_output_floats(gltf_output &out, const float *value, size_t count, size_t component_count,
                        int target);
-/* count by 3, of all vertices: only those that are not zero where that takes less room. */
+/* Adds the offsets of all vertices, count by 3. Stores only those that are not zero if that is
+ * smaller. */
 int gltf_output_offsets(gltf_output &out, const float *value, size_t count);
 
-/* An animation as JSON without channels; one more: of a node, and the accessors of its keys. */
+/* Create an animation as JSON without channels; add a channel of a node, with the accessors of its
+ * keys. */
 nlohmann::ordered_json gltf_output_animation(const std::string &name);
 void gltf_output_channel(nlohmann::ordered_json &animation, size_t node, const char *path,
                          int times, int values);
 
-/* The model's JSON; gltf_output_write takes it, or another that describes the binary part. Returns
- * the size of the file. */
+/* gltf_output_json returns the JSON of the model. gltf_output_write writes the file with this JSON,
+ * or with another that describes the same binary part. It returns the size of the file. */
 std::string gltf_output_json(gltf_output &out);
 uint64_t gltf_output_write(const gltf_output &out, std::string json, const char *path);
 
-/* The border of a writer: nothing but a result leaves. */
+/* Runs a writer and converts exceptions to a result. */
 template <typename action> mrt_result gltf_guarded(const char *path, error *err, const action &run)
 {
     try {

@@ -16,7 +16,7 @@ namespace
 
 constexpr size_t SOURCE_BYTES_MAX = size_t{1} << 30, IMAGE_BYTES_MAX = size_t{64} << 20;
 
-/* Of a file, all of it. */
+/* The bytes of a file. */
 struct open_file {
     file_bytes bytes{};
     ~open_file()
@@ -37,7 +37,7 @@ std::string member(const ordered_json &of, const char *key)
                                                                      : "";
 }
 
-/* A direction of the file's coordinates. */
+/* Returns an axis as a vector in file coordinates. */
 void axis_of(double out[3], mesh_axis axis, mesh_axis otherwise)
 {
     int which = (axis == MESH_AXIS_AUTO ? otherwise : axis) - MESH_AXIS_X;
@@ -45,7 +45,7 @@ void axis_of(double out[3], mesh_axis axis, mesh_axis otherwise)
     out[which % 3] = which < 3 ? 1.0 : -1.0;
 }
 
-/* From the mesh's frame, mm, to the file's coordinates. */
+/* Returns the transform from the mesh, in mm, to file coordinates. */
 gltf_transform file_of_mesh(const mesh *m)
 {
     double up[3], forward[3];
@@ -61,7 +61,7 @@ gltf_transform file_of_mesh(const mesh *m)
     return out;
 }
 
-/* The inverse of three columns; false: they are flat. */
+/* Inverts a matrix of three columns. Returns false if it is singular. */
 bool invert(gltf_transform &out, const double column[3][3])
 {
     const double *a = column[0], *b = column[1], *c = column[2];
@@ -106,7 +106,7 @@ const char *media_type(const file_bytes &image)
     return image.size > 3 && byte[0] == 0xFF && byte[1] == 0xD8 ? "image/jpeg" : nullptr;
 }
 
-/* A path below the document's folder, as its URIs are allowed to be; "" else. */
+/* Returns the path of a URI if it is below the folder of the document, else "". */
 std::string path_below(const std::string &directory, const std::string &uri)
 {
     const std::string path = gltf_percent_decoded(uri);
@@ -164,14 +164,15 @@ gltf_source::gltf_source(const char *path, const mesh *m)
     file_of_face_ = file_of_mesh(m);
     copies_ = budget_of(BUDGET_MESH, file.bytes.size);
     gltf_source_check(document_, buffer_sizes(model, container));
-    take_buffers(model, container);
-    take_images(directory);
+    join_buffers(model, container);
+    embed_images(directory);
     gltf_decode(model, file.bytes.size);
-    take_instances(model, gltf_plan_of(model, file.bytes.size), m);
+    read_instances(model, gltf_plan_of(model, file.bytes.size), m);
 }
 
-/* Else its bytes are only what its views are decompressed to. */
-bool gltf_source::travels(size_t buffer, const gltf_container &container) const
+/* Returns whether the bytes of a buffer are copied to the output. Other buffers exist only as the
+ * decompressed data of their views. */
+bool gltf_source::is_copied(size_t buffer, const gltf_container &container) const
 {
     bool is_chunk =
         buffer == 0 && container.is_binary && container.binary.at != container.binary.end;
@@ -183,20 +184,19 @@ std::vector<size_t> gltf_source::buffer_sizes(const tinygltf::Model &model,
 {
     std::vector<size_t> size;
     for (size_t i = 0; i < model.buffers.size(); ++i)
-        size.push_back(travels(i, container)
+        size.push_back(is_copied(i, container)
                            ? model.buffers[i].data.size()
                            : document_["buffers"][i].value("byteLength", size_t{0}));
     return size;
 }
 
-/* All that has data becomes the one buffer of a .glb; new data follows. */
-void gltf_source::take_buffers(const tinygltf::Model &model, const gltf_container &container)
+/* Joins all buffers with data into the single buffer of a .glb. New data follows it. */
+void gltf_source::join_buffers(const tinygltf::Model &model, const gltf_container &container)
 {
     ordered_json buffers = ordered_json::array({ordered_json::object()});
-    std::vector<std::pair<size_t, size_t>>
-        translation; /* of each buffer: which now, and from where */
+    std::vector<std::pair<size_t, size_t>> translation; /* new buffer and offset of each buffer */
     for (size_t i = 0; i < model.buffers.size(); ++i) {
-        if (!travels(i, container)) {
+        if (!is_copied(i, container)) {
             translation.push_back({buffers.size(), 0});
             buffers.push_back(document_["buffers"][i]);
             continue;
@@ -232,9 +232,9 @@ void gltf_source::take_buffers(const tinygltf::Model &model, const gltf_containe
 }
 
 /* Embeds the pictures beside a .gltf, each once. A missing picture keeps its name. */
-void gltf_source::take_images(const std::string &directory)
+void gltf_source::embed_images(const std::string &directory)
 {
-    std::map<std::string, std::pair<int, const char *>> taken; /* by path: view and media type */
+    std::map<std::string, std::pair<int, const char *>> taken; /* view and media type, by path */
     if (!document_.contains("images"))
         return;
     for (ordered_json &image : document_["images"]) {
@@ -243,7 +243,7 @@ void gltf_source::take_images(const std::string &directory)
             continue;
         auto found = taken.find(path);
         if (found == taken.end())
-            found = taken.insert({path, take_image(directory, path)}).first;
+            found = taken.insert({path, embed_image(directory, path)}).first;
         if (!found->second.second)
             continue;
         image.erase("uri");
@@ -252,9 +252,9 @@ void gltf_source::take_images(const std::string &directory)
     }
 }
 
-/* Its view and media type; NULL: it stays where it is. */
-std::pair<int, const char *> gltf_source::take_image(const std::string &directory,
-                                                     const std::string &path)
+/* Embeds a picture. Returns its view and media type. NULL: it stays a separate file. */
+std::pair<int, const char *> gltf_source::embed_image(const std::string &directory,
+                                                      const std::string &path)
 {
     open_file file;
     error ignored;
@@ -287,7 +287,7 @@ void gltf_source::place_group(group &out, const tinygltf::Model &model, const gl
         }
     }
     if (!(off <= 1e-4 * size))
-        gltf_fail(MRT_ERR_UNSUPPORTED, "its surface is not the one that was performed");
+        gltf_fail(MRT_ERR_UNSUPPORTED, "its surface differs from the performed mesh");
     for (size_t i = 0; i < 3; ++i) {
         column[i].assign(plan.vertex_count * 3, 0.0f);
         for (size_t v = 0; v < plan.vertex_count; ++v)
@@ -300,16 +300,17 @@ void gltf_source::place_group(group &out, const tinygltf::Model &model, const gl
             for (size_t k = 0; k < 3; ++k)
                 of[i][k] = static_cast<double>(column[i][v * 3 + k]);
         gltf_transform back;
-        (void)invert(back, of); /* flat: nothing moves it there */
+        (void)invert(back, of); /* singular: no offset can move the vertex */
         out.back.push_back(gltf_transform_compose(back, file));
     }
     out.has_normals = plan.source->attributes.count("NORMAL") > 0;
 }
 
-/* Of a large description the copies may be far larger than the file. */
+/* Copies a mesh description for one more node. Copies of large descriptions may become much larger
+ * than the file, so they have a budget. */
 void gltf_source::copy_mesh(instance &of)
 {
-    constexpr size_t BYTES_A_LETTER = 16; /* of its JSON, in memory */
+    constexpr size_t BYTES_A_LETTER = 16; /* memory per character of its JSON */
     ordered_json copy = document_["meshes"][of.mesh];
     error failed = {""};
     mrt_result result = budget_spend_bytes(&copies_, BYTES_A_LETTER * copy.dump().size(), &failed);
@@ -321,11 +322,11 @@ void gltf_source::copy_mesh(instance &of)
         document_["nodes"][of.node]["mesh"] = of.mesh;
 }
 
-void gltf_source::take_instances(const tinygltf::Model &model, const gltf_plan &plan, const mesh *m)
+void gltf_source::read_instances(const tinygltf::Model &model, const gltf_plan &plan, const mesh *m)
 {
     if (plan.vertex_count != m->vertex_count || plan.triangle_count != m->triangle_count)
         gltf_fail(MRT_ERR_UNSUPPORTED,
-                  "it has %zu vertices and %zu triangles, what was performed %u and %u",
+                  "it has %zu vertices and %zu triangles, but the performed mesh has %u and %u",
                   plan.vertex_count, plan.triangle_count, m->vertex_count, m->triangle_count);
     size_t vertex = 0;
     std::vector<bool> is_taken(model.meshes.size(), false);
@@ -344,7 +345,7 @@ void gltf_source::take_instances(const tinygltf::Model &model, const gltf_plan &
         for (const gltf_primitive_plan &surface : of.surfaces)
             to.group_of[static_cast<size_t>(surface.source - primitives.data())] =
                 static_cast<int>(surface.group);
-        if (is_taken[to.mesh]) /* each moves in its own way */
+        if (is_taken[to.mesh]) /* each instance needs its own targets */
             copy_mesh(to);
         is_taken[shown.mesh] = true;
         const ordered_json &in_file = document_["meshes"][to.mesh];
@@ -360,7 +361,7 @@ void gltf_source::take_instances(const tinygltf::Model &model, const gltf_plan &
     }
 }
 
-/* An accessor of a target that leaves its primitive where it is. */
+/* Returns an accessor of zeros, for a target that does not move its primitive. */
 int gltf_source::zeros(size_t count)
 {
     auto found = zeros_.find(count);
@@ -422,7 +423,7 @@ void gltf_source::add_target(const std::string &name, const float *offset, const
                     mm[i] = offset[at + i] * 1000.0f;
                 apply(&own[at], back, mm);
                 apply(&own_turn[at], back, rotation + at);
-                double stretch = 0.0; /* of the frame only: a rotation of normals has no unit */
+                double stretch = 0.0; /* scale of the transform, which must not scale normals */
                 for (int row = 0; row < 3; ++row)
                     stretch += back.linear[row][0] * back.linear[row][0];
                 for (size_t i = 0; i < 3 && stretch > 0.0; ++i)
@@ -454,8 +455,8 @@ bool gltf_source::add_own_target(const std::string &name)
     return any;
 }
 
-/* Nodes of the bones in a root of their own: the file's own skeleton moves nothing of the face that
- * the targets move. */
+/* Adds the bones as nodes below a separate root. The skeleton of the file is not animated, because
+ * the targets already move the face. */
 void gltf_source::add_bones(ordered_json &animation, int time, const std::vector<gltf_bone> &bones)
 {
     auto is_empty = [&](const char *list) {
@@ -521,7 +522,7 @@ void gltf_source::animate(const std::string &name, const std::vector<float> &tim
         document_["animations"] = std::move(all);
 }
 
-/* Weights at rest for all targets of a mesh, and of a node that has its own. */
+/* Writes the rest weights of all targets of each mesh, and of nodes that have their own weights. */
 void gltf_source::finish_meshes()
 {
     for (const instance &of : instances_) {
@@ -538,7 +539,7 @@ void gltf_source::finish_meshes()
     }
 }
 
-void gltf_source::put_new_accessors()
+void gltf_source::write_new_accessors()
 {
     for (size_t i = first_view_; i < out_.model.bufferViews.size(); ++i)
         document_["bufferViews"].push_back(json_of(out_.model.bufferViews[i]));
@@ -550,6 +551,6 @@ void gltf_source::put_new_accessors()
 uint64_t gltf_source::write(const char *path)
 {
     finish_meshes();
-    put_new_accessors();
+    write_new_accessors();
     return gltf_output_write(out_, document_.dump(), path);
 }

@@ -9,11 +9,11 @@ using nlohmann::ordered_json;
 namespace
 {
 
-/* Where a value is; made a pointer only for a message. */
+/* Place of a value. It is converted to a JSON pointer only for messages. */
 struct place {
     const place *in; /* NULL: the document */
     const char *name;
-    size_t index; /* name NULL: of an item */
+    size_t index; /* index of the item if name is NULL */
 };
 
 const place DOCUMENT = {nullptr, nullptr, 0};
@@ -40,7 +40,7 @@ const ordered_json &list_at(const ordered_json &of, const char *key, const place
     if (found == of.end())
         return none;
     if (!found->is_array())
-        refuse({&at, key, 0}, "is no list");
+        refuse({&at, key, 0}, "is not a list");
     return *found;
 }
 
@@ -57,13 +57,13 @@ void for_each(const ordered_json &value, const char *pattern, const place &at, A
     const std::string name(pattern + 1, rest);
     if (name == "#") {
         if (!value.is_array())
-            refuse(at, "is no list");
+            refuse(at, "is not a list");
         for (size_t i = 0; i < value.size(); ++i)
             for_each(value[i], rest, {&at, nullptr, i}, action);
         return;
     }
     if (!value.is_object())
-        refuse(at, "is no object");
+        refuse(at, "is not an object");
     for (auto member = value.begin(); member != value.end(); ++member)
         if (name == "*" || name == member.key())
             for_each(*member, rest, {&at, member.key().c_str(), 0}, action);
@@ -136,7 +136,7 @@ void check_indices(const ordered_json &document)
 
 /* ---- ranges ---- */
 
-/* The member, which must be there where there is nothing else to take. */
+/* Returns a member. Fails if it is missing and has no default. */
 size_t whole_at(const ordered_json &of, const char *key, const place &at,
                 const size_t *otherwise = nullptr)
 {
@@ -144,7 +144,7 @@ size_t whole_at(const ordered_json &of, const char *key, const place &at,
     if (found == of.end() && otherwise)
         return *otherwise;
     if (found == of.end() || !found->is_number_unsigned())
-        refuse({&at, key, 0}, "is no whole number");
+        refuse({&at, key, 0}, "is not a whole number");
     return found->get<size_t>();
 }
 
@@ -154,7 +154,7 @@ size_t offset_at(const ordered_json &of, const place &at)
     return whole_at(of, "byteOffset", at, &none);
 }
 
-/* A range of a buffer, which is named by its index. */
+/* Checks a range in a buffer that is given by its index. */
 void check_range(const ordered_json &of, const place &at, const std::vector<size_t> &buffer_size)
 {
     const size_t size = buffer_size[whole_at(of, "buffer", at)], offset = offset_at(of, at);
@@ -162,7 +162,8 @@ void check_range(const ordered_json &of, const place &at, const std::vector<size
         refuse(at, "goes past the end of its buffer");
 }
 
-/* Bytes; 0: glTF has no such type. Columns of matrices begin at multiples of 4 bytes. */
+/* Returns the size in bytes; 0: not a glTF type. Columns of matrices begin at multiples of 4 bytes.
+ */
 size_t element_size(const ordered_json &accessor)
 {
     static const struct {
@@ -183,7 +184,8 @@ size_t element_size(const ordered_json &accessor)
     return 0;
 }
 
-/* So many elements of a buffer view; of an accessor without one nothing is stored. */
+/* Checks that a buffer view contains the elements. An accessor without a buffer view stores no
+ * data. */
 void check_elements(const ordered_json &of, const place &at, const ordered_json &views, size_t size,
                     size_t count)
 {
@@ -207,7 +209,7 @@ void check_ranges(const ordered_json &document, const std::vector<size_t> &buffe
           "/bufferViews/#/extensions/KHR_meshopt_compression"})
         for_each(document, pattern, DOCUMENT, [&](const ordered_json &value, const place &at) {
             if (!value.is_object())
-                refuse(at, "is no object");
+                refuse(at, "is not an object");
             check_range(value, at, buffer_size);
         });
     const ordered_json &views = list_at(document, "bufferViews", DOCUMENT);
@@ -230,7 +232,7 @@ void check_ranges(const ordered_json &document, const std::vector<size_t> &buffe
     });
 }
 
-/* ---- what grows: targets, their names and weights ---- */
+/* ---- lists that an export appends to: targets, their names and weights ---- */
 
 void check_weights(const ordered_json &of, const place &at, size_t target_count)
 {
@@ -241,7 +243,7 @@ void check_weights(const ordered_json &of, const place &at, size_t target_count)
                          std::to_string(target_count) + " targets");
     for (const ordered_json &weight : weights)
         if (!weight.is_number() || !(std::fabs(weight.get<double>()) <= double{FLT_MAX}))
-            refuse(here, "are no numbers");
+            refuse(here, "are not all finite numbers");
 }
 
 size_t target_count_of(const ordered_json &mesh)
@@ -264,13 +266,13 @@ void check_mesh(const ordered_json &mesh, const place &at)
         if (attributes == primitives[i].end() || !attributes->contains("POSITION"))
             refuse(here, "has no POSITION");
         if (list_at(primitives[i], "targets", here).size() != target_count)
-            refuse(here, "has other targets than the first");
+            refuse(here, "does not have the same number of targets as the first primitive");
     }
     check_weights(mesh, at, target_count);
     auto extras = mesh.find("extras");
     const place of_extras = {&at, "extras", 0};
     if (extras != mesh.end() && !extras->is_object())
-        refuse(of_extras, "is no object: the names of targets are in it");
+        refuse(of_extras, "is not an object, but it must contain the target names");
     if (extras != mesh.end())
         (void)list_at(*extras, "targetNames", of_extras);
 }

@@ -8,8 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
-/* The document is one that gltf_load took. buffer_size: bytes of each of its buffers; of one that
- * does not travel, those that it says. */
+/* gltf_load must have accepted the document. buffer_size: bytes of each buffer; for a buffer that
+ * is not copied, its byteLength. */
 void gltf_source_check(const nlohmann::ordered_json &document,
                        const std::vector<size_t> &buffer_size);
 

@@ -10,7 +10,8 @@ extern "C" {
 namespace
 {
 
-/* The normal wanted, else that of the area around the vertex, else +z. */
+/* Returns the given normal as a unit vector. If it is missing, uses that of the area around the
+ * vertex, else +z. */
 void unit_normal(float *out, const float *wanted, const double *area)
 {
     double n[3] = {area[0], area[1], area[2]};
@@ -23,7 +24,7 @@ void unit_normal(float *out, const float *wanted, const double *area)
         out[axis] = good ? static_cast<float>(n[axis] / length) : (axis == 2 ? 1.0f : 0.0f);
 }
 
-/* A custom attribute's name begins with an underscore, and each has its own. */
+/* Returns a unique name for a custom attribute. It must begin with an underscore. */
 std::string attribute_name(const gltf_surface &s, const char *wanted)
 {
     std::string name = gltf_utf8(wanted);
@@ -94,7 +95,8 @@ tinygltf::Value named(const char *key, tinygltf::Value &&value)
     return tinygltf::Value(std::move(object));
 }
 
-/* One primitive per part, all on the same vertices; a mesh without triangles is one of points. */
+/* Makes one primitive per part, all on the same vertices. A mesh without triangles becomes one
+ * primitive of points. */
 std::vector<tinygltf::Primitive> make_primitives(gltf_output &out, const gltf_surface &s)
 {
     const mesh *m = s.source;
@@ -150,7 +152,7 @@ gltf_surface make_surface(const mesh *m)
 
 const double NO_TURN[4] = {0.0, 0.0, 0.0, 1.0};
 
-/* conjugate(parent) * own, w >= 0. */
+/* Computes conjugate(parent) * own, with w >= 0. */
 void rotation_from(double out[4], const double *own, const double *parent)
 {
     double x = -parent[0], y = -parent[1], z = -parent[2], w = parent[3];
@@ -162,7 +164,7 @@ void rotation_from(double out[4], const double *own, const double *parent)
         std::for_each(out, out + 4, [](double &part) { part = -part; });
 }
 
-/* A way in the parent's frame. */
+/* Computes the offset from the parent, in the parent's frame. */
 void way_from(double out[3], const double *own, const double *parent, const double *rotation)
 {
     double way[3] = {own[0] - parent[0], own[1] - parent[1], own[2] - parent[2]};

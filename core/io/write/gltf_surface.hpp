@@ -1,5 +1,5 @@
 /* io/write/gltf_surface.hpp - a mesh and its morph targets as glTF: metres, one primitive per part,
- * all on the same vertices in the file's order; and the bones of a clip as nodes that turn. Private
+ * all on the same vertices in the file's order, and the bones of a clip as rotating nodes. Private
  * to the writers of glTF; failures are gltf_failure. */
 #ifndef MAROTTE_IO_GLTF_SURFACE_HPP
 #define MAROTTE_IO_GLTF_SURFACE_HPP
@@ -21,7 +21,7 @@ struct gltf_target {
 
 struct gltf_surface {
     const mesh *source;
-    std::vector<float> position, normal; /* as written: V by 3, metres; unit */
+    std::vector<float> position, normal; /* as written: V by 3; metres, unit vectors */
     std::vector<double> area;            /* morph_area of position */
     std::map<std::string, int> attribute;
     std::vector<gltf_target> target;
@@ -29,17 +29,17 @@ struct gltf_surface {
     std::vector<float> normal_offset; /* V by 3: scratch */
 };
 
-/* Checks the mesh. */
+/* Checks the mesh and prepares it. */
 gltf_surface gltf_surface_of(const mesh *m);
-/* Leaves in s.normal_offset how the normals follow an offset, to first order. offset: V by 3,
- * metres per unit of weight, finite; `name` is for the error. */
+/* Computes in s.normal_offset the change of the normals for an offset, to first order. offset: V by
+ * 3, metres per unit of weight, finite. `name` is used in the error. */
 void gltf_surface_bend_normals(gltf_surface &s, const std::string &name, const float *offset);
-/* Adds the materials and attributes of the mesh; then its targets, with the normals of
- * s.normal_offset. */
+/* The first function adds the materials and attributes of the mesh. The second adds one target with
+ * the normals of s.normal_offset. */
 void gltf_surface_begin(gltf_output &out, gltf_surface &s);
 void gltf_surface_target(gltf_output &out, gltf_surface &s, const std::string &name,
                          const float *offset);
-/* Once all targets are added: mesh 0 on node 0. */
+/* Call after all targets are added. Adds mesh 0 on node 0. */
 void gltf_surface_scene(gltf_output &out, const gltf_surface &s);
 
 std::vector<float> gltf_in_metres(const float *value_mm, size_t count);
@@ -47,13 +47,13 @@ std::vector<float> gltf_in_metres(const float *value_mm, size_t count);
 /* Positions and rotations of a bone relative to its parent. */
 struct gltf_bone {
     std::string name;
-    size_t parent;    /* SIZE_MAX: none */
-    double rest_m[3]; /* its centre, from the parent's */
-    std::vector<float> translation,
-        rotation; /* of each frame: 3, metres; 4, a quaternion x y z w */
+    size_t parent;                  /* SIZE_MAX: none */
+    double rest_m[3];               /* centre relative to that of the parent */
+    std::vector<float> translation; /* 3 per frame, metres */
+    std::vector<float> rotation;    /* 4 per frame, quaternion x y z w */
 };
 
-/* Parents first; of frames without a pose: as at rest. */
+/* Returns the bones, parents first. Frames without a pose have the rest pose. */
 std::vector<gltf_bone> gltf_bones_of(const clip *c);
 
 #endif

@@ -21,23 +21,23 @@ extern "C" {
 namespace
 {
 
-/* One axis of a column as targets: what plays them limits a weight to 0..1, so each direction that
- * is used has its own, in units of a power of two that no weight is above. */
+/* The targets of one axis of a column. Players limit a weight to 0..1, so each used direction has a
+ * separate target. Its unit is a power of two that keeps all weights at most 1. */
 struct axis_targets {
-    float most = 0.0f, least = 0.0f; /* of the weights, metres */
-    size_t plus = 0, minus = 0;      /* among all targets; only where it is used */
+    float most = 0.0f, least = 0.0f; /* range of the weights, metres */
+    size_t plus = 0, minus = 0;      /* index among all targets, if the direction is used */
     int exponent = 0;
 };
 
-/* Where the targets of a segment are among all targets. */
+/* Indices of the targets of a segment among all targets. */
 struct segment_targets {
     size_t base = 0; /* valid if has_base */
     bool has_base = false;
-    std::vector<size_t> axis; /* of performance.axis: 3 per column, or per pull where frames have a
-                                 named part; what moves the same has the same */
+    std::vector<size_t> axis; /* index in performance.axis: 3 per column, or 3 per pull if frames
+                                 have a named part. Equal pulls share an index */
 };
 
-/* Of a curve: which way it goes in the clip, and where the targets for that are. */
+/* The targets of a curve: its used directions, and their indices among all targets. */
 struct curve_targets {
     bool goes_up = false, goes_down = false;
     size_t up = 0, down = 0;
@@ -82,14 +82,15 @@ void list_target(clip_targets &to, const std::string &name, const float *offset,
     }
 }
 
-/* Of what an export shows, so that a program that has it already knows. FNV-1a over words. */
+/* Hash of the content of an export, so that a program can recognise an export that it already has.
+ * FNV-1a over words. */
 struct content_hash {
     uint64_t value = 14695981039346656037u;
 
     void add(uint32_t word)
     {
         value = (value ^ word) * 1099511628211u;
-        value ^= value >> 32; /* a word's upper bits reach all of it */
+        value ^= value >> 32; /* spreads the upper bits of a word */
     }
     void add(const std::string &text)
     {
@@ -112,13 +113,13 @@ struct content_hash {
     }
 };
 
-/* Where targets go: to the mesh alone, to the file that it is from, or into a list. */
+/* Destination of targets: a file with the mesh alone, the source file of the mesh, or a list. */
 struct target_list {
-    gltf_surface surface; /* of the mesh */
+    gltf_surface surface; /* surface of the mesh */
     gltf_output bare;
-    std::unique_ptr<gltf_source> source; /* or none */
-    clip_targets *listed = nullptr;      /* its room is for all of them */
-    content_hash hash;                   /* of all targets */
+    std::unique_ptr<gltf_source> source; /* NULL: none */
+    clip_targets *listed = nullptr;      /* NULL: not used */
+    content_hash hash;                   /* hash of all targets */
     size_t count = 0;
 
     explicit target_list(const mesh *m) : surface(gltf_surface_of(m))
@@ -138,7 +139,7 @@ struct target_list {
             gltf_surface_target(bare, surface, name, offset);
         ++count;
     }
-    /* False: the file has no target of that name. */
+    /* Uses the file's own target of that name. Returns false if the file has none. */
     bool add_own(const std::string &name)
     {
         if (listed || !source || !source->add_own_target(name))
@@ -150,13 +151,13 @@ struct target_list {
 
 struct performance {
     const clip *source;
-    clip *left = nullptr; /* what the named targets leave; NULL: there are none */
+    clip *left = nullptr; /* remainder without the named targets; NULL: no named targets */
     std::vector<curve_targets> curve;
     std::vector<axis_targets> axis;
-    size_t named_axes = 0; /* that have their targets */
+    size_t named_axes = 0; /* number of axes whose targets were added */
     std::vector<segment_targets> segment;
-    components found{};               /* of the free frames, or of what is left */
-    std::vector<size_t> first_target; /* of each of its windows */
+    components found{};               /* components of the free frames, or of the remainder */
+    std::vector<size_t> first_target; /* first target of each window */
     gltf_report report{};
 
     explicit performance(const clip *c) : source(c)
@@ -180,10 +181,11 @@ float in_metres(double mm)
     return static_cast<float>(mm * GLTF_METRES_PER_MM);
 }
 
-/* A pull that is named has the same target in every performance, unless it is pulled further. */
+/* Minimum unit of a named pull, so that its target is the same in all performances unless a pull is
+ * longer. */
 constexpr int NAMED_PULL_EXPONENT = -5; /* 31.25 mm */
 
-/* The vectors that the targets of a frame's segment show; NULL: none. */
+/* Returns the vectors of a frame for the targets of its segment; NULL: none. */
 const double *vectors_of(const performance &p, uint32_t frame, uint32_t &segment)
 {
     if (p.is_named())
@@ -199,8 +201,8 @@ bool is_same_pull(const clip_pull &a, const clip_pull &b, size_t vertex_count)
            std::memcmp(a.response, b.response, vertex_count * sizeof(float)) == 0;
 }
 
-/* The axes of a pull that moves the same in a segment before: the last one's, as hands that take
- * hold anew take the same contacts. SIZE_MAX: none. */
+/* Returns the axes of an equal pull in an earlier segment, so that they can be shared. Hands that
+ * grip again often grip the same contacts. Searches from the latest segment. SIZE_MAX: none. */
 size_t axis_before(const performance &p, uint32_t index, uint32_t pull)
 {
     const clip_pull &wanted = clip_segment_at(p.source, index)->pull[pull];
@@ -231,7 +233,7 @@ void list_axes(performance &p)
     }
 }
 
-/* How far each axis goes, and so what it is counted in; which way each curve goes. */
+/* Finds the range and the unit of each axis, and the used directions of each curve. */
 void measure(performance &p)
 {
     for (uint32_t frame = 0; frame < clip_frame_count(p.source); ++frame) {
@@ -300,7 +302,8 @@ void add_segment_targets(target_list &to, performance &p, uint32_t index)
     }
 }
 
-/* As seen by the face itself: out is away from its middle, left its own left. */
+/* Returns the names of the two directions of an axis, from the view of the face. "out" is away from
+ * its middle, "left" is its own left. */
 axis_names direction_names(const clip_pull &pull, size_t axis, double half_width_mm)
 {
     std::string name = std::string(pull.name) + " ";
@@ -324,7 +327,7 @@ void add_pull_targets(target_list &to, performance &p, uint32_t index)
     for (size_t i = 0; i < p.segment[index].axis.size(); ++i) {
         const clip_pull &pull = segment->pull[i / 3];
         if (p.segment[index].axis[i] < p.named_axes)
-            continue; /* of a segment before */
+            continue; /* shared with an earlier segment */
         axis_names name = direction_names(pull, i % 3, half_width_mm);
         if (index > 0) {
             std::string prefix = "s" + std::to_string(index + 1) + ".";
@@ -334,7 +337,7 @@ void add_pull_targets(target_list &to, performance &p, uint32_t index)
     }
 }
 
-/* A curve that goes both ways has a target for each. */
+/* Adds the targets of the curves. A curve with both directions has a target for each. */
 void add_curve_targets(target_list &to, performance &p)
 {
     for (uint32_t i = 0; i < p.curve.size(); ++i) {
@@ -388,7 +391,8 @@ void add_window_targets(target_list &to, performance &p, uint32_t index)
     }
 }
 
-/* Where the named targets leave little, that little is cheap to have. */
+/* Share of the tolerance for the remainder if it is small. A small remainder can be stored
+ * precisely at low cost. */
 constexpr double REMAINDER_FINENESS = 0.1;
 
 void add_component_targets(target_list &to, performance &p, const gltf_options &options,
@@ -418,8 +422,9 @@ void add_component_targets(target_list &to, performance &p, const gltf_options &
         add_window_targets(to, p, w);
 }
 
-/* Weights of what is named: the curves, the pulls; or an anchored frame's base and vectors. */
-void put_exact_weights(const performance &p, uint32_t frame, float *weight)
+/* Writes the weights of the exact targets of a frame: the curves and pulls, or the base and vectors
+ * of an anchored frame. */
+void write_exact_weights(const performance &p, uint32_t frame, float *weight)
 {
     const double *value = clip_values(p.source, frame);
     for (uint32_t i = 0; value && i < p.curve.size(); ++i) {
@@ -443,8 +448,8 @@ void put_exact_weights(const performance &p, uint32_t frame, float *weight)
     }
 }
 
-/* Weights of a window's frames: its base, and its components. */
-void put_window_weights(const performance &p, uint32_t index, float *weight, size_t target_count)
+/* Writes the weights of the frames of a window: its base and its components. */
+void write_window_weights(const performance &p, uint32_t index, float *weight, size_t target_count)
 {
     const component_window &window = p.found.window[index];
     for (size_t i = 0; i < window.frame_count; ++i) {
@@ -461,9 +466,9 @@ std::vector<float> all_weights(const performance &p, size_t target_count)
     uint32_t frame_count = clip_frame_count(p.source);
     std::vector<float> weight(frame_count * target_count);
     for (uint32_t frame = 0; frame < frame_count; ++frame)
-        put_exact_weights(p, frame, &weight[frame * target_count]);
+        write_exact_weights(p, frame, &weight[frame * target_count]);
     for (uint32_t w = 0; w < p.found.window_count; ++w)
-        put_window_weights(p, w, weight.data(), target_count);
+        write_window_weights(p, w, weight.data(), target_count);
     return weight;
 }
 
@@ -475,7 +480,7 @@ std::vector<float> key_times(const clip *c)
         if (!std::isfinite(time_s[i]) || (i > 0 && !(time_s[i] > time_s[i - 1])))
             gltf_fail(MRT_ERR_UNSUPPORTED,
                       "frame %zu at %g frames per second: glTF's float32 times "
-                      "cannot tell it from the frame before",
+                      "cannot distinguish it from the previous frame",
                       i, clip_fps(c));
     }
     return time_s;
@@ -523,7 +528,8 @@ tinygltf::Value value_of(const nlohmann::ordered_json &json)
                                     : tinygltf::Value(json.get<double>());
 }
 
-/* A key per frame: each shows exactly its own shape, also where segments change. */
+/* Adds an animation with a key per frame. Each key shows exactly the shape of its frame, also at a
+ * change of segments. */
 void add_animation(gltf_output &out, const std::vector<float> &time_s,
                    const std::vector<float> &weight, const std::string &name,
                    const nlohmann::ordered_json &extras)
@@ -544,7 +550,8 @@ void add_animation(gltf_output &out, const std::vector<float> &time_s,
     out.model.animations.push_back(std::move(animation));
 }
 
-/* Nodes of the bones, behind the mesh's: whatever is hung on them goes with the face. */
+/* Adds the nodes of the bones after the node of the mesh. Objects that a user parents to them move
+ * with the face. */
 void add_bone_nodes(gltf_output &out, const std::vector<gltf_bone> &bones)
 {
     size_t first = out.model.nodes.size();
@@ -612,7 +619,8 @@ void animate(target_list &to, const performance &p, const gltf_options &options)
     add_bone_channels(to.bare, bones);
 }
 
-/* What was asked for, else 0.1 % of the height; never finer than float32 can show. */
+/* Returns the requested tolerance, or 0.1 % of the height. It is limited by the precision of
+ * float32. */
 double tolerance_of(const mesh *m, double wanted_mm)
 {
     float low[3], high[3];
@@ -660,9 +668,9 @@ void write_clip(const char *path, performance &p, const gltf_options &options,
     if (!options.is_bare)
         open_source(to, p.report);
     if (!to.source && ends_in(path, ".vrm"))
-        gltf_fail(MRT_ERR_UNSUPPORTED, "%s: %s cannot be performed in its own file: %s", path,
+        gltf_fail(MRT_ERR_UNSUPPORTED, "%s: the performance cannot be added to %s: %s", path,
                   m->path ? m->path : "the face",
-                  p.report.why_bare.text[0] ? p.report.why_bare.text : "it is no .vrm");
+                  p.report.why_bare.text[0] ? p.report.why_bare.text : "it is not a .vrm file");
     if (!to.source)
         gltf_surface_begin(to.bare, to.surface);
     add_exact_targets(to, p);

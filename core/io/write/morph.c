@@ -48,7 +48,7 @@ static bool moves(const float *offset, const uint32_t *corner)
     return false;
 }
 
-/* Derivative of the area vectors: d(u x v) = du x v + u x dv. */
+/* Computes the derivative of the area vectors: d(u x v) = du x v + u x dv. */
 static void area_change(double *out, const morph_surface *s, const float *offset)
 {
     memset(out, 0, (size_t)s->vertex_count * 3 * sizeof *out);

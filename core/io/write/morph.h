@@ -1,5 +1,5 @@
-/* io/write/morph.h - how the normals of a surface turn, to first order, when a morph target moves
- * it. Pure; any thread. */
+/* io/write/morph.h - change of the normals of a surface, to first order, when a morph target moves
+ * it. Pure. [any] */
 #ifndef MAROTTE_IO_MORPH_H
 #define MAROTTE_IO_MORPH_H
 #include <stdint.h>
@@ -16,8 +16,8 @@ typedef struct morph_surface {
 void morph_area(double *out_area, const float *position, uint32_t vertex_count,
                 const uint32_t *triangle, uint32_t triangle_count);
 
-/* out: V by 3: the change of normal per unit of weight of a target that moves the vertices by
- * offset (V by 3); 0 where the surface has no area. work: V by 3. */
+/* Computes the change of the normals per unit of weight of a target that moves the vertices by
+ * offset (V by 3). out: V by 3; 0 where the surface has no area. work: V by 3. */
 void morph_normal_offset(float *out, double *work, const morph_surface *surface,
                          const float *offset);
 

@@ -6,9 +6,12 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { MAX_SIDE = 32768, LEVEL = 2 /* of zlib: with these filters it is small, and fast */ };
+enum {
+    MAX_SIDE = 32768,
+    LEVEL = 2 /* zlib level: with these filters the files are small and fast to write */
+};
 
-/* libpng calls this and expects not to return. */
+/* Error handler of libpng; must not return. */
 static void on_error(png_structp png, png_const_charp message)
 {
     error *why = png_get_error_ptr(png);
@@ -22,8 +25,8 @@ static void on_warning(png_structp png, png_const_charp message)
     (void)message;
 }
 
-/* libpng's own says no more than that it failed. */
-static void put_bytes(png_structp png, png_bytep bytes, png_size_t size)
+/* Replaces libpng's own function, whose error message has no reason. */
+static void write_bytes(png_structp png, png_bytep bytes, png_size_t size)
 {
     if (fwrite(bytes, 1, size, png_get_io_ptr(png)) != size)
         png_error(png, strerror(errno));
@@ -31,7 +34,7 @@ static void put_bytes(png_structp png, png_bytep bytes, png_size_t size)
 
 static void keep_bytes(png_structp png)
 {
-    (void)png; /* the file is flushed when it is whole */
+    (void)png; /* the file is flushed when it is complete */
 }
 
 static void write_rows(png_structp png, png_infop info, const uint8_t *rgba, uint32_t width,
@@ -64,7 +67,7 @@ static bool write_stream(FILE *stream, const uint8_t *rgba, uint32_t width, uint
         png_destroy_write_struct(&png, &info);
         return false;
     }
-    png_set_write_fn(png, stream, put_bytes, keep_bytes);
+    png_set_write_fn(png, stream, write_bytes, keep_bytes);
     write_rows(png, info, rgba, width, height, kind);
     png_destroy_write_struct(&png, &info);
     return true;

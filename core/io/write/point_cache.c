@@ -1,4 +1,4 @@
-/* Caches of points: where every vertex is in every frame, .pc2 and .mdd. */
+/* Point caches: positions of all vertices in every frame, .pc2 and .mdd. */
 #include "base/file.h"
 #include "io/write/export_stream.h"
 
@@ -10,7 +10,7 @@
 
 typedef enum byte_order { LITTLE_ENDIAN_BYTES = 0, BIG_ENDIAN_BYTES } byte_order;
 
-/* Four bytes; returns where the next number goes. */
+/* Writes four bytes. Returns the position of the next number. */
 static uint8_t *pack_u32(uint8_t *out, uint32_t value, byte_order order)
 {
     for (int i = 0; i < 4; ++i) {
@@ -49,7 +49,7 @@ static mrt_result check_finite(const float *position, size_t count, uint32_t fra
     return MRT_OK;
 }
 
-typedef struct point_set { /* which vertices, and in what unit */
+typedef struct point_set { /* exported vertices and their unit */
     uint32_t *vertex;      /* count, ascending */
     uint32_t count;
     double per_mm;
@@ -88,9 +88,10 @@ static mrt_result points_choose(point_set *out, const clip *c, const cache_optio
     return MRT_OK;
 }
 
-/* Their positions in all frames, x y z per vertex; non-finite ones are an error. */
-static mrt_result put_frames(file_writer *writer, const clip *c, const point_set *points,
-                             byte_order order, const export_progress *progress, error *err)
+/* Writes the positions of the points in all frames, x y z per vertex. Non-finite ones are an error.
+ */
+static mrt_result write_frames(file_writer *writer, const clip *c, const point_set *points,
+                               byte_order order, const export_progress *progress, error *err)
 {
     size_t count = (size_t)clip_mesh(c)->vertex_count * 3;
     float *position = malloc(count * sizeof *position);
@@ -122,11 +123,11 @@ static mrt_result put_frames(file_writer *writer, const clip *c, const point_set
     return result;
 }
 
-/* What comes before the frames of each form: header_size bytes. */
+/* The header of a format, header_size bytes, before the frames. */
 typedef struct cache_form {
     byte_order order;
     size_t (*header_size)(const clip *c);
-    void (*put_header)(uint8_t *out, const clip *c, const point_set *points);
+    void (*write_header)(uint8_t *out, const clip *c, const point_set *points);
 } cache_form;
 
 static mrt_result write_cache(const char *path, const clip *c, const cache_options *options,
@@ -142,13 +143,13 @@ static mrt_result write_cache(const char *path, const clip *c, const cache_optio
     const size_t size = form->header_size(c);
     uint8_t *header = malloc(size);
     if (header)
-        form->put_header(header, c, &points);
+        form->write_header(header, c, &points);
     result = header ? file_writer_open(&writer, path, err)
                     : error_set(err, MRT_ERR_MEMORY, "%s: no memory for its header", path);
     if (result >= 0)
         result = put(&writer, header, size, err);
     if (result >= 0)
-        result = put_frames(&writer, c, &points, form->order, progress, err);
+        result = write_frames(&writer, c, &points, form->order, progress, err);
     if (result >= 0)
         result = file_writer_commit(&writer, err);
     free(header);
@@ -165,7 +166,7 @@ static size_t pc2_header_size(const clip *c)
     return 32;
 }
 
-static void put_pc2_header(uint8_t *out, const clip *c, const point_set *points)
+static void write_pc2_header(uint8_t *out, const clip *c, const point_set *points)
 {
     memcpy(out, "POINTCACHE2", 12);
     out = pack_u32(out + 12, 1, LITTLE_ENDIAN_BYTES);
@@ -178,7 +179,7 @@ static void put_pc2_header(uint8_t *out, const clip *c, const point_set *points)
 mrt_result pc2_write(const char *path, const clip *c, const cache_options *options,
                      const export_progress *progress, error *err)
 {
-    static const cache_form pc2 = {LITTLE_ENDIAN_BYTES, pc2_header_size, put_pc2_header};
+    static const cache_form pc2 = {LITTLE_ENDIAN_BYTES, pc2_header_size, write_pc2_header};
     return write_cache(path, c, options, &pc2, progress, err);
 }
 
@@ -190,7 +191,7 @@ static size_t mdd_header_size(const clip *c)
     return 8 + (size_t)4 * clip_frame_count(c);
 }
 
-static void put_mdd_header(uint8_t *out, const clip *c, const point_set *points)
+static void write_mdd_header(uint8_t *out, const clip *c, const point_set *points)
 {
     out = pack_u32(out, clip_frame_count(c), BIG_ENDIAN_BYTES);
     out = pack_u32(out, points->count, BIG_ENDIAN_BYTES);
@@ -201,6 +202,6 @@ static void put_mdd_header(uint8_t *out, const clip *c, const point_set *points)
 mrt_result mdd_write(const char *path, const clip *c, const cache_options *options,
                      const export_progress *progress, error *err)
 {
-    static const cache_form mdd = {BIG_ENDIAN_BYTES, mdd_header_size, put_mdd_header};
+    static const cache_form mdd = {BIG_ENDIAN_BYTES, mdd_header_size, write_mdd_header};
     return write_cache(path, c, options, &mdd, progress, err);
 }

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MAX_SWEEPS = 64 }; /* of QL per eigenvalue; two are usual */
+enum { MAX_SWEEPS = 64 }; /* maximum number of QL sweeps per eigenvalue; usually two suffice */
 
 static double dot(const double *a, const double *b, size_t count)
 {
@@ -14,7 +14,7 @@ static double dot(const double *a, const double *b, size_t count)
     return sum;
 }
 
-/* Greatest magnitude in the matrix, which it is then divided by. */
+/* Divides the matrix by its greatest magnitude, and returns that. */
 static double normalise_scale(double *a, size_t n)
 {
     double scale = 0.0;
@@ -26,8 +26,8 @@ static double normalise_scale(double *a, size_t n)
     return scale;
 }
 
-/* Column k below the diagonal becomes a multiple of its first entry. The reflector is left in row
- * k, right of the diagonal; returns its 2 / v.v, 0 when there was nothing to do. */
+/* Reflects column k below the diagonal to a multiple of its first unit vector. Stores the reflector
+ * v in row k, right of the diagonal. Returns 2 / v.v; 0: the column needs no reflection. */
 static double reflect_column(double *a, double *diagonal, double *off_diagonal, double *p, size_t n,
                              size_t k)
 {
@@ -55,7 +55,7 @@ static double reflect_column(double *a, double *diagonal, double *off_diagonal, 
     return factor;
 }
 
-/* q becomes the product of the reflectors: matrix = q tridiagonal q^T. */
+/* Computes q, the product of the reflectors: matrix = q tridiagonal q^T. */
 static void multiply_reflectors(double *q, const double *a, const double *factor, double *row,
                                 size_t n)
 {
@@ -87,7 +87,8 @@ static void rotate_rows(double *upper, double *lower, double sine, double cosine
     }
 }
 
-/* One implicit QL sweep over rows l..m of the tridiagonal matrix, vectors in the rows of z. */
+/* Performs one implicit QL sweep over rows l..m of the tridiagonal matrix. The vectors are in the
+ * rows of z. */
 static void sweep(double *d, double *e, double *z, size_t l, size_t m, size_t n)
 {
     double g = (d[l + 1] - d[l]) / (2.0 * e[l]);

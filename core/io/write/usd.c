@@ -6,24 +6,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The text form of OpenUSD, "#usda 1.0". Names of prims are identifiers: what a name has beside is
- * replaced, and the name itself is kept as the prim's displayName. Matrices are rows that vectors
- * are multiplied with from the left; quaternions have w first. */
+/* The text form of OpenUSD, "#usda 1.0". Names of prims are identifiers: other characters of a name
+ * are replaced, and the original is kept as the prim's displayName. Matrices act on row vectors,
+ * which are multiplied from the left. Quaternions have w first. */
 
 typedef struct usd_file {
     FILE *stream;
     const mesh *mesh;
-    double per_mm; /* units of the file in a mm */
+    double per_mm; /* units of the file per mm */
     int decimals;  /* of lengths */
     char **name;   /* identifiers so far */
     uint32_t name_count, name_capacity;
-    uint32_t first_sibling; /* of those from here on no two are alike */
-    bool is_short;          /* of memory */
+    uint32_t first_sibling; /* identifiers from this index on must be unique */
+    bool is_short;          /* memory ran out */
 } usd_file;
 
 /* ---- numbers ---- */
 
-/* Decimals without a locale, and ten times faster than printf. Returns how many letters. */
+/* Writes a decimal number without a locale, ten times faster than printf. Returns the number of
+ * characters. */
 static size_t write_fixed(char *out, double value, int decimals)
 {
     static const double power[] = {1, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9};
@@ -56,9 +57,9 @@ static size_t write_fixed(char *out, double value, int decimals)
 
 enum { NUMBER = 340, TUPLE_MAX = 4 };
 
-/* "(1, 2, 3)" of each row of `width` numbers; plain numbers where that is 1. */
-static void put_rows(usd_file *self, const float *value, size_t count, size_t width, double factor,
-                     int decimals)
+/* Writes each row of `width` numbers as "(1, 2, 3)", or as plain numbers if `width` is 1. */
+static void write_rows(usd_file *self, const float *value, size_t count, size_t width,
+                       double factor, int decimals)
 {
     char text[NUMBER * TUPLE_MAX + 16];
     fputc('[', self->stream);
@@ -84,12 +85,12 @@ static void put_rows(usd_file *self, const float *value, size_t count, size_t wi
     fputc(']', self->stream);
 }
 
-static void put_lengths(usd_file *self, const float *value_mm, size_t count)
+static void write_lengths(usd_file *self, const float *value_mm, size_t count)
 {
-    put_rows(self, value_mm, count, 3, self->per_mm, self->decimals);
+    write_rows(self, value_mm, count, 3, self->per_mm, self->decimals);
 }
 
-static void put_integers(usd_file *self, const uint32_t *value, size_t count)
+static void write_integers(usd_file *self, const uint32_t *value, size_t count)
 {
     char text[16];
     fputc('[', self->stream);
@@ -101,7 +102,7 @@ static void put_integers(usd_file *self, const uint32_t *value, size_t count)
 }
 
 /* Writes the same integer repeatedly. */
-static void put_repeated(usd_file *self, const char *text, size_t count)
+static void write_repeated(usd_file *self, const char *text, size_t count)
 {
     fputc('[', self->stream);
     for (size_t i = 0; i < count; ++i)
@@ -111,8 +112,8 @@ static void put_repeated(usd_file *self, const char *text, size_t count)
 
 /* ---- names ---- */
 
-/* A text in quotes: any name of a part or target, made printable. */
-static void put_text(usd_file *self, const char *text)
+/* Writes a quoted, printable text, such as the name of a part or target. */
+static void write_text(usd_file *self, const char *text)
 {
     char shown[512];
     text_copy(shown, sizeof shown, text_view_of(text, strlen(text)));
@@ -133,7 +134,7 @@ static bool is_taken(const usd_file *self, const char *id)
     return false;
 }
 
-/* An identifier of its own for a name, until the file is done; "" without memory. */
+/* Returns a unique identifier for a name, valid until the file is complete. "": no memory. */
 static const char *identify(usd_file *self, const char *name, const char *fallback)
 {
     char id[96];
@@ -154,7 +155,7 @@ static const char *identify(usd_file *self, const char *name, const char *fallba
         unsigned char letter = (unsigned char)*from;
         bool is_plain = (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') ||
                         (letter >= '0' && letter <= '9');
-        if ((letter & 0xc0) != 0x80) /* one for each letter of UTF-8 */
+        if ((letter & 0xc0) != 0x80) /* one for each UTF-8 character */
             id[used++] = is_plain ? (char)letter : '_';
     }
     id[used] = '\0';
@@ -168,8 +169,8 @@ static const char *identify(usd_file *self, const char *name, const char *fallba
     return copy;
 }
 
-/* 'def Mesh "id"' with what a name was before it was an identifier, and up to its brace. schema:
- * NULL: none is applied. */
+/* Writes 'def Mesh "id"' up to its brace, with the original name if it differs from the identifier.
+ * schema: API schema to apply; NULL: none. */
 static void open_prim(usd_file *self, int depth, const char *type, const char *id, const char *name,
                       const char *schema)
 {
@@ -181,7 +182,7 @@ static void open_prim(usd_file *self, int depth, const char *type, const char *i
         fputs(" (\n", out);
         if (is_renamed) {
             fprintf(out, "%*sdisplayName = ", in + 4, "");
-            put_text(self, name);
+            write_text(self, name);
             fputc('\n', out);
         }
         if (schema)
@@ -193,7 +194,7 @@ static void open_prim(usd_file *self, int depth, const char *type, const char *i
 
 /* ---- the mesh ---- */
 
-static void put_head(usd_file *self, const clip *c)
+static void write_head(usd_file *self, const clip *c)
 {
     const clip_start *start = clip_start_of(c);
     uint32_t frames = clip_frame_count(c);
@@ -201,7 +202,7 @@ static void put_head(usd_file *self, const clip *c)
                           "        string generator = \"marotte " MAROTTE_VERSION "\"\n");
     if (start->rate_num > 0) {
         fputs("        string timecode = ", self->stream);
-        put_text(self, start->timecode);
+        write_text(self, start->timecode);
         fprintf(self->stream, "\n        string rate = \"%u/%u\"\n", start->rate_num,
                 start->rate_den);
     }
@@ -212,33 +213,33 @@ static void put_head(usd_file *self, const clip *c)
             frames > 0 ? frames - 1 : 0, clip_fps(c), 0.001 / self->per_mm, clip_fps(c));
 }
 
-static void put_extent(usd_file *self)
+static void write_extent(usd_file *self)
 {
     float bounds[6];
     mesh_bounds(self->mesh, bounds, bounds + 3);
     fputs("        float3[] extent = ", self->stream);
-    put_lengths(self, bounds, 2);
+    write_lengths(self, bounds, 2);
     fputc('\n', self->stream);
 }
 
-static void put_surface(usd_file *self)
+static void write_surface(usd_file *self)
 {
     const mesh *m = self->mesh;
     FILE *out = self->stream;
-    put_extent(self);
+    write_extent(self);
     fputs("        point3f[] points = ", out);
-    put_lengths(self, m->position, m->vertex_count);
+    write_lengths(self, m->position, m->vertex_count);
     fputs("\n        int[] faceVertexCounts = ", out);
-    put_repeated(self, "3", m->triangle_count);
+    write_repeated(self, "3", m->triangle_count);
     fputs("\n        int[] faceVertexIndices = ", out);
-    put_integers(self, m->triangle, (size_t)m->triangle_count * 3);
+    write_integers(self, m->triangle, (size_t)m->triangle_count * 3);
     fputs("\n        uniform token subsetFamily:materialBind:familyType = \"partition\"\n"
           "        uniform token orientation = \"rightHanded\"\n"
           "        uniform token subdivisionScheme = \"none\"\n",
           out);
     if (m->colour) {
         fputs("        color4f[] primvars:color = ", out);
-        put_rows(self, m->colour, m->vertex_count, 4, 1.0, 5);
+        write_rows(self, m->colour, m->vertex_count, 4, 1.0, 5);
         fputs(" (\n            interpolation = \"vertex\"\n        )\n", out);
     }
     if (m->uv) {
@@ -249,14 +250,14 @@ static void put_surface(usd_file *self)
             st[i * 2 + 1] = 1.0f - m->uv[i * 2 + 1]; /* from below */
         }
         fputs("        texCoord2f[] primvars:st = ", out);
-        put_rows(self, st, st ? m->vertex_count : 0, 2, 1.0, 7);
+        write_rows(self, st, st ? m->vertex_count : 0, 2, 1.0, 7);
         fputs(" (\n            interpolation = \"vertex\"\n        )\n", out);
         free(st);
     }
 }
 
-/* The triangles of each part, and what they are made of. material: ids. */
-static void put_parts(usd_file *self, const char *const *material)
+/* Writes the triangles of each part and their material. material: identifiers. */
+static void write_parts(usd_file *self, const char *const *material)
 {
     const mesh *m = self->mesh;
     FILE *out = self->stream;
@@ -278,7 +279,7 @@ static void put_parts(usd_file *self, const char *const *material)
     }
 }
 
-static void put_material(usd_file *self, const mesh_material *made, const char *id)
+static void write_material(usd_file *self, const mesh_material *made, const char *id)
 {
     FILE *out = self->stream;
     open_prim(self, 2, "Material", id, made->name, NULL);
@@ -299,45 +300,45 @@ static void put_material(usd_file *self, const mesh_material *made, const char *
             made->alpha == MESH_ALPHA_OPAQUE ? 1.0 : (double)made->base_colour[3]);
 }
 
-static void put_materials(usd_file *self, const char **out_id)
+static void write_materials(usd_file *self, const char **out_id)
 {
     open_prim(self, 1, "Scope", "Materials", NULL, NULL);
     for (uint32_t i = 0; i < self->mesh->material_count; ++i) {
         out_id[i] = identify(self, self->mesh->material[i].name, "material");
-        put_material(self, &self->mesh->material[i], out_id[i]);
+        write_material(self, &self->mesh->material[i], out_id[i]);
     }
     fputs("    }\n", self->stream);
     self->first_sibling = self->name_count;
 }
 
-/* ---- as blend shapes ---- */
+/* ---- export as blend shapes ---- */
 
-static void put_normals(usd_file *self)
+static void write_normals(usd_file *self)
 {
     const mesh *m = self->mesh;
     if (!m->normal)
         return;
     fputs("        normal3f[] normals = ", self->stream);
-    put_rows(self, m->normal, m->vertex_count, 3, 1.0, 5);
+    write_rows(self, m->normal, m->vertex_count, 3, 1.0, 5);
     fputs(" (\n            interpolation = \"vertex\"\n        )\n", self->stream);
 }
 
-static void put_shape(usd_file *self, const clip_target *target, const char *id)
+static void write_shape(usd_file *self, const clip_target *target, const char *id)
 {
     FILE *out = self->stream;
     open_prim(self, 2, "BlendShape", id, target->name, NULL);
     fputs("            uniform vector3f[] offsets = ", out);
-    put_rows(self, target->offset, target->count, 3, 1000.0 * self->per_mm, self->decimals);
+    write_rows(self, target->offset, target->count, 3, 1000.0 * self->per_mm, self->decimals);
     if (self->mesh->normal) {
         fputs("\n            uniform vector3f[] normalOffsets = ", out);
-        put_rows(self, target->normal, target->count, 3, 1.0, 5);
+        write_rows(self, target->normal, target->count, 3, 1.0, 5);
     }
     fputs("\n            uniform int[] pointIndices = ", out);
-    put_integers(self, target->vertex, target->count);
+    write_integers(self, target->vertex, target->count);
     fputs("\n        }\n", out);
 }
 
-static void put_tokens(usd_file *self, const char *const *id, uint32_t count)
+static void write_tokens(usd_file *self, const char *const *id, uint32_t count)
 {
     for (uint32_t i = 0; i < count; ++i)
         fprintf(self->stream, i > 0 ? ", \"%s\"" : "[\"%s\"", id[i]);
@@ -345,8 +346,8 @@ static void put_tokens(usd_file *self, const char *const *id, uint32_t count)
 }
 
 /* Writes a skeleton of one fixed joint, because players of blend shapes require one. */
-static void put_skeleton(usd_file *self, const clip_targets *shapes, const char *const *id,
-                         uint32_t frame_count)
+static void write_skeleton(usd_file *self, const clip_targets *shapes, const char *const *id,
+                           uint32_t frame_count)
 {
     static const char one[] = "[((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))]";
     FILE *out = self->stream;
@@ -365,14 +366,14 @@ static void put_skeleton(usd_file *self, const clip_targets *shapes, const char 
             one, one);
     if (shapes->weight) {
         fputs("            uniform token[] blendShapes = ", out);
-        put_tokens(self, id, shapes->count);
+        write_tokens(self, id, shapes->count);
         fputs("            float[] blendShapeWeights = ", out);
-        put_repeated(self, "0", shapes->count);
+        write_repeated(self, "0", shapes->count);
         fputs("\n            float[] blendShapeWeights.timeSamples = {\n", out);
         for (uint32_t frame = 0; frame < frame_count; ++frame) {
             fprintf(out, "                %u: ", frame);
-            put_rows(self, shapes->weight + (size_t)frame * shapes->count, shapes->count, 1, 1.0,
-                     8);
+            write_rows(self, shapes->weight + (size_t)frame * shapes->count, shapes->count, 1, 1.0,
+                       8);
             fputs(",\n", out);
         }
         fputs("            }\n", out);
@@ -380,24 +381,24 @@ static void put_skeleton(usd_file *self, const clip_targets *shapes, const char 
     fputs("        }\n    }\n", out);
 }
 
-static void put_binding(usd_file *self, const clip_targets *shapes, const char *const *id)
+static void write_binding(usd_file *self, const clip_targets *shapes, const char *const *id)
 {
     FILE *out = self->stream;
     fputs("        matrix4d primvars:skel:geomBindTransform = ((1, 0, 0, 0), (0, 1, 0, 0), "
           "(0, 0, 1, 0), (0, 0, 0, 1))\n        int[] primvars:skel:jointIndices = ",
           out);
-    put_repeated(self, "0", self->mesh->vertex_count);
+    write_repeated(self, "0", self->mesh->vertex_count);
     fputs(" (\n            elementSize = 1\n            interpolation = \"vertex\"\n        )\n"
           "        float[] primvars:skel:jointWeights = ",
           out);
-    put_repeated(self, "1", self->mesh->vertex_count);
+    write_repeated(self, "1", self->mesh->vertex_count);
     fputs(" (\n            elementSize = 1\n            interpolation = \"vertex\"\n        )\n"
           "        rel skel:skeleton = </Face/Skeleton>\n",
           out);
     if (shapes->count == 0)
         return;
     fputs("        uniform token[] skel:blendShapes = ", out);
-    put_tokens(self, id, shapes->count);
+    write_tokens(self, id, shapes->count);
     for (uint32_t i = 0; i < shapes->count; ++i)
         fprintf(out,
                 i > 0 ? ",\n            </Face/Mesh/%s>"
@@ -408,28 +409,28 @@ static void put_binding(usd_file *self, const clip_targets *shapes, const char *
 
 /* ---- files ---- */
 
-static void put_shapes_file(usd_file *self, const clip *c, const clip_targets *shapes,
-                            const char **material, const char **id)
+static void write_shapes_file(usd_file *self, const clip *c, const clip_targets *shapes,
+                              const char **material, const char **id)
 {
     FILE *out = self->stream;
-    put_head(self, c);
+    write_head(self, c);
     open_prim(self, 0, "SkelRoot", "Face", NULL, "SkelBindingAPI");
-    put_materials(self, material);
+    write_materials(self, material);
     for (uint32_t i = 0; i < shapes->count; ++i)
         id[i] = identify(self, shapes->target[i].name, "shape");
-    put_skeleton(self, shapes, id, clip_frame_count(c));
+    write_skeleton(self, shapes, id, clip_frame_count(c));
     open_prim(self, 1, "Mesh", "Mesh", NULL, "SkelBindingAPI");
-    put_surface(self);
-    put_normals(self);
-    put_binding(self, shapes, id);
-    put_parts(self, material);
+    write_surface(self);
+    write_normals(self);
+    write_binding(self, shapes, id);
+    write_parts(self, material);
     for (uint32_t i = 0; i < shapes->count; ++i)
-        put_shape(self, &shapes->target[i], id[i]);
+        write_shape(self, &shapes->target[i], id[i]);
     fputs("    }\n}\n", out);
 }
 
-static mrt_result put_points(usd_file *self, const clip *c, const export_progress *progress,
-                             error *err)
+static mrt_result write_points(usd_file *self, const clip *c, const export_progress *progress,
+                               error *err)
 {
     size_t count = (size_t)self->mesh->vertex_count;
     float *position = malloc(count * 3 * sizeof *position);
@@ -439,10 +440,10 @@ static mrt_result put_points(usd_file *self, const clip *c, const export_progres
         result = clip_read(c, frame, position, err);
         fprintf(self->stream, "            %u: ", frame);
         if (result >= 0)
-            put_lengths(self, position, count);
+            write_lengths(self, position, count);
         fputs(",\n", self->stream);
         if (ferror(self->stream))
-            break; /* commit says why */
+            break; /* the commit reports the reason */
         export_step(progress, (double)(frame + 1) / (double)clip_frame_count(c));
     }
     fputs("        }\n", self->stream);
@@ -450,22 +451,22 @@ static mrt_result put_points(usd_file *self, const clip *c, const export_progres
     return result;
 }
 
-static mrt_result put_points_file(usd_file *self, const clip *c, const char **material,
-                                  const export_progress *progress, error *err)
+static mrt_result write_points_file(usd_file *self, const clip *c, const char **material,
+                                    const export_progress *progress, error *err)
 {
     FILE *out = self->stream;
-    put_head(self, c);
+    write_head(self, c);
     open_prim(self, 0, "Xform", "Face", NULL, NULL);
-    put_materials(self, material);
+    write_materials(self, material);
     open_prim(self, 1, "Mesh", "Mesh", NULL, NULL);
-    put_surface(self);
-    mrt_result result = put_points(self, c, progress, err);
-    put_parts(self, material);
+    write_surface(self);
+    mrt_result result = write_points(self, c, progress, err);
+    write_parts(self, material);
     fputs("    }\n}\n", out);
     return result;
 }
 
-/* Returns the number of decimals that shows a millionth of the mesh's size. */
+/* Returns the number of decimals that a millionth of the mesh's size needs. */
 static int decimals_of(const mesh *m, double per_mm)
 {
     float low[3], high[3];
@@ -486,7 +487,7 @@ static void usd_finish(usd_file *self)
     free(self->name);
 }
 
-/* shapes: NULL: as points. */
+/* shapes: NULL: writes points. */
 static mrt_result write_usd(const char *path, const clip *c, const clip_targets *shapes,
                             double mm_per_unit, const export_progress *progress, error *err)
 {
@@ -501,9 +502,9 @@ static mrt_result write_usd(const char *path, const clip *c, const clip_targets 
     if (result >= 0) {
         self.stream = text.writer.stream;
         if (shapes)
-            put_shapes_file(&self, c, shapes, material, id);
+            write_shapes_file(&self, c, shapes, material, id);
         else
-            result = put_points_file(&self, c, material, progress, err);
+            result = write_points_file(&self, c, material, progress, err);
         if (result >= 0 && self.is_short)
             result = error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
         result = export_text_close(&text, result, err);

@@ -47,7 +47,7 @@ uint32_t find_bone(const clip *c, const char *name)
     return CLIP_NO_BONE;
 }
 
-/* Of one bone, or of the middle between two, against its parent. */
+/* Returns the rotations of a bone relative to its parent, or the mean rotations of two bones. */
 std::vector<float> rotations_of(const vrma &from, uint32_t bone, uint32_t other)
 {
     std::vector<float> out = from.bone_tracks[bone == CLIP_NO_BONE ? other : bone].rotation;
@@ -73,7 +73,7 @@ void add_bone(vrma &to, const char *called, const char *human, size_t node)
         add_track(to, node, "rotation", rotations_of(to, bone, CLIP_NO_BONE), 4);
 }
 
-/* Weights are the x of a node of their own. */
+/* Adds an expression. Its weights are the x translations of a separate node. */
 void add_expression(vrma &to, ordered_json &among, const std::string &name, uint32_t channel)
 {
     std::vector<float> value;

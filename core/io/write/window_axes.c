@@ -13,15 +13,15 @@ enum { MAX_PICKED = 320, MAX_PICKED_BYTES = 96 << 20 };
 static const double TIME_SHARE = 0.25;
 /* Axes weaker than this share of the strongest are rounding of the Gram matrix. */
 static const double NOISE = 1e-12;
-/* So many axes are used at once that the root mean square of the errors is this share of the
- * tolerance; the greatest error is several times that. */
+/* Target for the initial number of axes: root mean square of the errors as a share of the
+ * tolerance. The greatest error is several times that. */
 static const double START_SHARE = 1.0 / 3.0;
 
 typedef struct workshop {
     window_axes *axes;
     window_frames *frames;
     size_t length; /* 3 per moved vertex */
-    float *row;    /* picked by length: the frames picked */
+    float *row;    /* picked by length: the picked frames */
     float *block;  /* length by FRAME_BLOCK */
     double *dot;   /* picked by FRAME_BLOCK */
     float *weight; /* picked by FRAME_BLOCK */
@@ -42,8 +42,8 @@ static uint32_t picked_count(const window_frames *frames)
     return count < frames->count ? (uint32_t)count : frames->count;
 }
 
-/* Evenly along the way of the shape, with some time mixed in: where it moves fast, every frame is a
- * shape of its own. */
+/* Picks frames at even distances along the path of the shape, where time adds to the distance. Fast
+ * motion gets more frames because each of them has a different shape. */
 static void pick_frames(window_axes *a, const window_frames *frames, uint32_t wanted)
 {
     double way_m = 0.0, at_m = 0.0;
@@ -68,7 +68,7 @@ static mrt_result read_picked(workshop *w, error *err)
     return result;
 }
 
-/* ---- their principal components ---- */
+/* ---- principal components of the picked frames ---- */
 
 static uint32_t lanes_from(uint32_t first, uint32_t count)
 {
@@ -105,7 +105,7 @@ static mrt_result decompose(workshop *w, error *err)
     return result;
 }
 
-/* Candidates 0..count-1: sum over the picked frames of vector * frame. */
+/* Computes candidates 0..count-1: sum over the picked frames of vector * frame. */
 static void combine(workshop *w, float *candidate, uint32_t count)
 {
     uint32_t picked = w->axes->picked;
@@ -123,7 +123,7 @@ static void combine(workshop *w, float *candidate, uint32_t count)
     }
 }
 
-/* The least count whose left-out strength is at most `limit`. */
+/* Returns the smallest count of axes whose omitted strength is at most `limit`. */
 static uint32_t count_for_tail(const double *strength, uint32_t count, double limit)
 {
     double tail = 0.0;
@@ -132,7 +132,7 @@ static uint32_t count_for_tail(const double *strength, uint32_t count, double li
     return count;
 }
 
-/* With all of these, every picked frame holds the tolerance. */
+/* Returns the number of candidates with which every picked frame is within the tolerance. */
 static uint32_t useful_count(const window_axes *a, double tolerance_square, size_t cap)
 {
     uint32_t useful = count_for_tail(a->strength, a->picked, tolerance_square);

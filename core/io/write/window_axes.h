@@ -12,13 +12,14 @@ typedef struct window_axes {
     double *strength; /* picked: eigenvalues, descending */
 } window_axes;
 
-/* Leaves the candidates in the basis, which is empty and has its length and cap, and in use those
- * that are certainly needed. tolerance_square: that of the greatest vertex error wanted, m^2. */
+/* Stores the candidates in the basis and uses those that are certainly needed. The basis must be
+ * empty, with length and cap set. tolerance_square: square of the maximum vertex error, m^2. */
 CHECKED mrt_result window_axes_find(window_axes *out, basis *b, window_frames *frames,
                                     float tolerance_square, error *err);
 void window_axes_finish(window_axes *a);
 
-/* out_left: picked: how much of each picked frame the candidates tried leave, m^2. */
+/* Computes the squared residual of each picked frame after the tried candidates, m^2. out_left:
+ * picked. */
 void window_axes_left_out(double *out_left, const window_axes *a, const basis *b);
 
 #endif

@@ -12,44 +12,46 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A source of pulls: what it wants now, and what of it is in the shape. */
+/* One source of pulls: its current pull, and its share of the current shape. */
 typedef struct part_state {
     bool is_present;  /* in this step */
-    bool was_present; /* in the step before */
+    bool was_present; /* in the previous step */
     composer_part part;
-    bool has_pull; /* `last_pull` is its last anchored pull */
+    bool has_pull; /* `last_pull` is valid: its last anchored pull */
     mrt_pull last_pull;
-    uint32_t commit; /* of the step before */
-    /* in the engagement: the pull that it holds the face with */
+    uint32_t commit; /* of the previous step */
+    /* in the engagement: the pull with which the part holds the face */
     bool is_joined;
     mrt_pull joined;
-    double share; /* weight and gain */
+    double share; /* weight times gain */
     double weight;
-    uint32_t control[MRT_MAX_VECTORS]; /* of each vector; COMPOSER_NO_CONTROL: none */
+    uint32_t control[MRT_MAX_VECTORS]; /* control of each vector; COMPOSER_NO_CONTROL: none */
     /* unanchored */
     bool was_near, is_dragging;
-    double tip[MRT_MAX_VECTORS * 3]; /* where the tips really are */
+    double tip[MRT_MAX_VECTORS * 3]; /* mm: reached positions of the tips */
     uint32_t tip_count;
 } part_state;
 
 enum { COMPOSER_NO_CONTROL = UINT32_MAX };
 
-/* A control of the engagement: a contact, which several may pull, or a free point of one. */
+/* A control of the engagement: a contact, which several parts may pull, or a free point of one
+ * part. */
 typedef struct joined_control {
     uint32_t contact;      /* 1 + index; 0: a free point */
     uint32_t slot, vector; /* of the free point */
-    vec3 start;            /* mm, where it took hold */
-    vec3 rest;             /* of a pointer's free point: as it says */
+    vec3 start;            /* mm: position when it was gripped */
+    vec3 rest;             /* of a pointer's free point: position on the rest face */
     bool is_pointer;       /* only pointers pull it */
-    vec3 held; /* mm, bones at rest: where the others had it, from `start`, when a pointer came */
+    vec3 held; /* mm, bones at rest: offset from `start` that the other parts gave it when a pointer
+                  gripped it */
 } joined_control;
 
 struct composer {
     face *face;
-    rig rig; /* the face file's, with poses that are complete */
+    rig rig; /* copy of the face file's rig, with completed poses */
     mapped_face mapped;
     mrt_dof dof[MRT_MAX_DOFS];
-    arrays poses; /* what mapped.pose points to */
+    arrays poses; /* memory that mapped.pose points to */
     csrbf_settings solver;
     double reach_mm;
     vec3 centre;
@@ -58,16 +60,16 @@ struct composer {
     part_state state[COMPOSER_PARTS_MAX];
     uint32_t order[COMPOSER_PARTS_MAX]; /* slots of the parts of this step, bottom first */
     uint32_t order_count;
-    uint32_t joined_order[COMPOSER_PARTS_MAX]; /* slots of those in the engagement, bottom first */
+    uint32_t joined_order[COMPOSER_PARTS_MAX]; /* slots in the engagement, bottom first */
     uint32_t joined_count;
 
-    bool is_mixed; /* in this step some drag_unanchored and some are anchored */
+    bool is_mixed; /* in this step some parts drag the shape and others are anchored */
     bool engaged;  /* anchored: the face is engaged at `control` */
-    bool stale;    /* anchored: what is shown is older than the last step */
+    bool stale;    /* anchored: the shown shape is older than the last step */
     joined_control control[MRT_MAX_VECTORS];
     uint32_t control_count;
     float engaged_radius_mm;
-    double aimed[MRT_MAX_VECTORS * 3]; /* where the controls were to land last */
+    double aimed[MRT_MAX_VECTORS * 3]; /* mm: last targets of the controls */
     mrt_pull pulled;                   /* of the last step */
     composer_counts counts;
 };
@@ -82,20 +84,20 @@ static vec3 vec3_of(mrt_vec3 p)
     return (vec3){(double)p.x, (double)p.y, (double)p.z};
 }
 
-/* Its weight and its gain. */
+/* Returns weight times gain. */
 static double share_of(const part_state *v)
 {
     return v->part.weight * v->part.gain;
 }
 
-/* No part at all, for functions that select parts. */
-static bool nobody(const part_state *v)
+/* Filter for functions that select parts: accepts none. */
+static bool accepts_none(const part_state *v)
 {
     (void)v;
     return false;
 }
 
-static bool is_anybody_joined(const composer *self)
+static bool has_joined_part(const composer *self)
 {
     for (uint32_t i = 0; i < self->joined_count; ++i)
         if (self->state[self->joined_order[i]].is_joined)
@@ -109,7 +111,7 @@ static void note_problem(composer *self, const char *text)
         error_set(&self->counts.first_problem, MRT_ERR_FORMAT, "%s", text);
 }
 
-/* Brings the shape up to date with the last step. */
+/* Updates the shown shape to the last step. */
 static void show(composer *self)
 {
     if (self->stale)
@@ -117,7 +119,7 @@ static void show(composer *self)
     self->stale = false;
 }
 
-/* how: the pull that says how it is solved; NULL: the settings of the face. */
+/* how: the pull with the solver options; NULL: the settings of the face. */
 static csrbf_settings settings_of(const composer *self, float radius_mm, const mrt_pull *how)
 {
     csrbf_settings settings = self->solver;
@@ -133,7 +135,7 @@ static csrbf_settings settings_of(const composer *self, float radius_mm, const m
     return settings;
 }
 
-/* ---- what the pulls of all parts add up to, layer by layer ---- */
+/* ---- blending the pulls of all parts, layer by layer ---- */
 
 static bool is_one(double share)
 {
@@ -142,8 +144,8 @@ static bool is_one(double share)
 
 typedef struct blended {
     double value[3];
-    double cover;  /* of the layer at hand */
-    double sum[3]; /* of the layer at hand */
+    double cover;  /* sum of the weights in the current layer */
+    double sum[3]; /* of the current layer */
     bool is_additive;
     uint32_t layer;
     uint32_t parts;
@@ -174,26 +176,26 @@ static void add_part(blended *b, const part_state *v, double weight, const doubl
     b->cover += weight;
 }
 
-/* Returns whether `counts` accepts a part that holds the face. NULL accepts all. */
-static bool counts_anybody(const composer *self, bool (*counts)(const part_state *v))
+/* Returns whether `accepts` accepts at least one part that holds the face. True for NULL. */
+static bool accepts_any_joined(const composer *self, bool (*accepts)(const part_state *v))
 {
-    for (uint32_t i = 0; counts && i < self->joined_count; ++i) {
+    for (uint32_t i = 0; accepts && i < self->joined_count; ++i) {
         const part_state *v = &self->state[self->joined_order[i]];
-        if (v->is_joined && counts(v))
+        if (v->is_joined && accepts(v))
             return true;
     }
-    return !counts;
+    return !accepts;
 }
 
-/* The target of each control of the engagement, 3 * control_count, mm: an offset from its start
- * where rides[k] (face_ride adds what the bones do), else a position. `counts` selects the parts
- * whose pulls are blended; NULL: all. */
-static void blend_ends(const composer *self, bool (*counts)(const part_state *v), double *end,
+/* Computes the target of each control of the engagement: 3 * control_count values, mm. The target
+ * is an offset from the start where rides[k], as face_ride then adds the motion of the bones.
+ * Otherwise it is a position. `accepts` selects the parts whose pulls are blended; NULL: all. */
+static void blend_ends(const composer *self, bool (*accepts)(const part_state *v), double *end,
                        uint8_t *rides)
 {
     blended at[MRT_MAX_VECTORS];
     memset(at, 0, sizeof at);
-    bool is_held = counts_anybody(self, counts);
+    bool is_held = accepts_any_joined(self, accepts);
     for (uint32_t k = 0; is_held && k < self->control_count; ++k) {
         const vec3 *held = &self->control[k].held;
         at[k].value[0] = held->x;
@@ -204,7 +206,7 @@ static void blend_ends(const composer *self, bool (*counts)(const part_state *v)
         const part_state *v = &self->state[self->joined_order[i]];
         for (uint32_t j = 0; i < self->joined_count && v->is_joined && j < v->joined.count; ++j) {
             uint32_t k = v->control[j];
-            if (k == COMPOSER_NO_CONTROL || (counts && !counts(v)))
+            if (k == COMPOSER_NO_CONTROL || (accepts && !accepts(v)))
                 continue;
             vec3 start = vec3_of(v->joined.vector[j].start), to = vec3_of(v->joined.vector[j].end);
             const double added[3] = {v->share * (to.x - start.x), v->share * (to.y - start.y),
@@ -222,8 +224,8 @@ static void blend_ends(const composer *self, bool (*counts)(const part_state *v)
         const part_state *v = &self->state[c->slot];
         vec3 position = c->start;
         if (v->is_joined && !v->part.is_pointer && at[k].parts == 1 && is_one(v->share) &&
-            (!counts || counts(v))) {
-            /* the end itself: start + (end - start) would round */
+            (!accepts || accepts(v))) {
+            /* use the end itself, because start + (end - start) would round */
             position = vec3_of(v->joined.vector[c->vector].end);
             memset(end + 3 * k, 0, 3 * sizeof *end);
         }
@@ -233,7 +235,7 @@ static void blend_ends(const composer *self, bool (*counts)(const part_state *v)
     }
 }
 
-/* The degrees of freedom as all parts together want them. */
+/* Blends the degrees of freedom of all parts. NaN: no part drives it. */
 static void blend_dofs(const composer *self, float *out)
 {
     for (uint32_t d = 0; d < MRT_MAX_DOFS; ++d) {
@@ -243,8 +245,8 @@ static void blend_dofs(const composer *self, float *out)
             const part_state *v = &self->state[self->order[i]];
             const mrt_pull *pull =
                 v->part.pull->mode == MRT_UNANCHORED ? v->part.pull : &v->last_pull;
-            bool speaks = v->has_pull || v->part.pull->mode == MRT_UNANCHORED;
-            if (!speaks || isnan(pull->dof[d]) || d >= self->mapped.about.dof_count ||
+            bool has_value = v->has_pull || v->part.pull->mode == MRT_UNANCHORED;
+            if (!has_value || isnan(pull->dof[d]) || d >= self->mapped.about.dof_count ||
                 (v->part.owns && !v->part.owns[self->mapped.about.contact_count + d]))
                 continue;
             const double added[3] = {share_of(v) * (double)pull->dof[d], 0, 0};
@@ -256,12 +258,12 @@ static void blend_dofs(const composer *self, float *out)
     }
 }
 
-/* The head's own shapes as all parts together want them, from the next frame on. */
-static void ask_shapes(composer *self)
+/* Blends the weights of the head's own shapes of all parts and requests them for the next frame. */
+static void request_shapes(composer *self)
 {
     uint32_t free_points = self->mapped.about.contact_count + self->mapped.about.dof_count;
     uint32_t count = face_shape_count(self->face);
-    float asked[FACE_SHAPES_MAX];
+    float weight[FACE_SHAPES_MAX];
     for (uint32_t s = 0; s < count; ++s) {
         blended at = {.cover = 0};
         for (uint32_t i = 0; i < self->order_count; ++i) {
@@ -273,9 +275,9 @@ static void ask_shapes(composer *self)
             add_part(&at, v, v->part.weight, added);
         }
         close_layer(&at);
-        asked[s] = (float)at.value[0];
+        weight[s] = (float)at.value[0];
     }
-    face_ask_shapes(self->face, asked);
+    face_ask_shapes(self->face, weight);
 }
 
 /* ---- the anchored pulls of all parts in one solve ---- */
@@ -288,7 +290,7 @@ static bool owns(const composer *self, const part_state *v, uint32_t contact)
     return v->part.owns[contact > 0 ? contact - 1 : free_points] != 0;
 }
 
-/* ---- who holds where ---- */
+/* ---- which part holds which control ---- */
 
 static uint32_t find_contact(const joined_control *control, uint32_t count, uint32_t contact)
 {
@@ -298,8 +300,8 @@ static uint32_t find_contact(const joined_control *control, uint32_t count, uint
     return COMPOSER_NO_CONTROL;
 }
 
-/* A free point has one control for all parts of a layer that pull it: in a cross-fade both sides
- * hold the same one. */
+/* All parts of a layer that pull the same free point share one control, so both sides of a
+ * cross-fade hold the same one. */
 static uint32_t find_free_point(const composer *self, const joined_control *control, uint32_t count,
                                 const part_state *v, const mrt_vector *vector)
 {
@@ -313,21 +315,22 @@ static uint32_t find_free_point(const composer *self, const joined_control *cont
     return COMPOSER_NO_CONTROL;
 }
 
-/* Who holds which control. */
+/* The controls of all parts. */
 typedef struct holds {
     joined_control control[MRT_MAX_VECTORS];
     uint32_t count;
-    uint32_t of[COMPOSER_PARTS_MAX][MRT_MAX_VECTORS]; /* the control of each vector, by slot */
+    uint32_t of[COMPOSER_PARTS_MAX]
+               [MRT_MAX_VECTORS]; /* control of each vector, by slot of the part */
 } holds;
 
-/* The controls of all parts, in their order. */
+/* Lists the controls of all parts, in the order of the parts. */
 static void list_holds(composer *self, holds *out)
 {
     out->count = 0;
     for (uint32_t i = 0; i < self->order_count; ++i) {
         uint32_t slot = self->order[i];
         const part_state *v = &self->state[slot];
-        uint32_t others = out->count; /* a part may hold one contact twice */
+        uint32_t others = out->count; /* excludes its own: a part may hold a contact twice */
         for (uint32_t j = 0; v->has_pull && j < v->last_pull.count; ++j) {
             uint32_t contact = v->last_pull.vector[j].contact;
             uint32_t at = COMPOSER_NO_CONTROL;
@@ -370,8 +373,8 @@ static bool are_held(const composer *self, const holds *h)
     return true;
 }
 
-/* The radius of one solve for all: of the lowest part that names one; a pointer names it when it
- * is alone. */
+/* Returns the radius of the joint solve: that of the lowest part that sets one. A pointer sets it
+ * only if no other part pulls. 0: none. */
 static float joined_radius_mm(const composer *self)
 {
     float of_pointer = 0.0f;
@@ -388,8 +391,8 @@ static float joined_radius_mm(const composer *self)
     return is_alone ? of_pointer : 0.0f;
 }
 
-/* Of the lowest part that is no pointer; NULL: there is none. */
-static const mrt_pull *joined_manner(const composer *self)
+/* Returns the pull of the lowest part that is not a pointer. NULL: no such part. */
+static const mrt_pull *joined_solver_pull(const composer *self)
 {
     for (uint32_t i = 0; i < self->order_count; ++i) {
         const part_state *v = &self->state[self->order[i]];
@@ -399,8 +402,8 @@ static const mrt_pull *joined_manner(const composer *self)
     return NULL;
 }
 
-/* It takes hold anew: what it has added so far stays in the shape. */
-static bool is_anew(const part_state *v)
+/* Returns whether the part grips the face again. Its current offset then stays in the shape. */
+static bool is_regripped(const part_state *v)
 {
     return v->is_joined && v->is_present && !v->part.is_pointer &&
            (v->joined.anchor != v->last_pull.anchor || v->joined.count != v->last_pull.count ||
@@ -411,12 +414,12 @@ static bool is_anew(const part_state *v)
 
 /* ---- the engagement ---- */
 
-static void aim(composer *self, bool (*counts)(const part_state *v), const float *dof)
+static void aim(composer *self, bool (*accepts)(const part_state *v), const float *dof)
 {
     error err = {""};
     double end[MRT_MAX_VECTORS * 3];
     uint8_t rides[MRT_MAX_VECTORS];
-    blend_ends(self, counts, end, rides);
+    blend_ends(self, accepts, end, rides);
     face_ride(self->face, end, rides, dof);
     memcpy(self->aimed, end, (size_t)self->control_count * 3 * sizeof *end);
     self->counts.solves += 1;
@@ -428,7 +431,7 @@ static void aim(composer *self, bool (*counts)(const part_state *v), const float
     self->stale = true;
 }
 
-/* Shows the face with the pulls of only those parts that `keep` accepts; bones stay as they are. */
+/* Shows the face with only the pulls of the parts that `keep` accepts. Bones do not move. */
 static void show_only(composer *self, bool (*keep)(const part_state *v))
 {
     if (!self->engaged)
@@ -437,8 +440,8 @@ static void show_only(composer *self, bool (*keep)(const part_state *v))
     show(self);
 }
 
-/* Where a point of the rest face is in the shape shown: it keeps its offset from the vertex that is
- * nearest to it at rest. */
+/* Returns the position of a rest-face point in the shown shape. The point keeps its offset from the
+ * vertex that is nearest to it at rest. */
 static vec3 position_now(const composer *self, vec3 at_rest)
 {
     const points *rest = face_rest(self->face), *shown = face_shown(self->face);
@@ -460,8 +463,9 @@ static vec3 position_now(const composer *self, vec3 at_rest)
     return vec3_add(at_rest, moved);
 }
 
-/* Where an engagement takes hold of the control: a contact, or a point under a pointer, where it is
- * in the shape shown; another free point where the mapping says. */
+/* Returns the position at which an engagement grips the control. For a contact or a point under a
+ * pointer it is its position in the shown shape. For other free points it is the start that the
+ * mapping gave. */
 static vec3 start_of(const composer *self, const joined_control *c)
 {
     if (c->contact > 0)
@@ -471,7 +475,7 @@ static vec3 start_of(const composer *self, const joined_control *c)
     return vec3_of(self->state[c->slot].last_pull.vector[c->vector].start);
 }
 
-/* ---- pointers take hold of the face as it is ---- */
+/* ---- pointers grip the current shape of the face ---- */
 
 static const joined_control *held_before(const composer *self, const joined_control *c)
 {
@@ -487,16 +491,16 @@ static const joined_control *held_before(const composer *self, const joined_cont
     return NULL;
 }
 
-/* The positions, mm, of what pointers begin to hold in this step, while the old engagement is still
- * shown. out_comes: which controls those are. */
+/* Finds the controls that pointers begin to grip in this step, and their positions in mm. The old
+ * engagement is still shown then. out_is_new: true for those controls. */
 static void find_grip_positions(composer *self, const holds *h, double *out_position,
-                                bool *out_comes)
+                                bool *out_is_new)
 {
     show(self);
     for (uint32_t k = 0; k < h->count; ++k) {
         const joined_control *c = &h->control[k];
-        out_comes[k] = c->is_pointer && !held_before(self, c);
-        if (!out_comes[k])
+        out_is_new[k] = c->is_pointer && !held_before(self, c);
+        if (!out_is_new[k])
             continue;
         vec3 position = start_of(self, c);
         out_position[3 * k] = position.x;
@@ -515,23 +519,23 @@ static void keep_held(const composer *self, holds *h)
     }
 }
 
-/* After the new engagement: how far from the base the other parts had moved what pointers now hold.
- */
-static void hold_positions(composer *self, const double *position, const bool *comes)
+/* Called after the new engagement. Stores how far the other parts had moved the controls of
+ * pointers from the base. */
+static void hold_positions(composer *self, const double *position, const bool *is_new_grip)
 {
     double way[MRT_MAX_VECTORS * 3] = {0};
     bool any = false;
     for (uint32_t k = 0; k < self->control_count; ++k) {
         const vec3 *start = &self->control[k].start;
         const double still[3] = {start->x, start->y, start->z};
-        memcpy(way + 3 * k, comes[k] ? position + 3 * k : still, sizeof still);
-        any |= comes[k];
+        memcpy(way + 3 * k, is_new_grip[k] ? position + 3 * k : still, sizeof still);
+        any |= is_new_grip[k];
     }
     if (any)
         face_unride(self->face, way, face_metered(self->face)->dof);
     for (uint32_t k = 0; k < self->control_count; ++k) {
         joined_control *c = &self->control[k];
-        if (!comes[k])
+        if (!is_new_grip[k])
             continue;
         c->held = (vec3){way[3 * k], way[3 * k + 1], way[3 * k + 2]};
         if (c->contact == 0)
@@ -554,7 +558,7 @@ static void engage(composer *self, holds *h)
     error err = {""};
     face_control grip[MRT_MAX_VECTORS];
     float radius_mm = joined_radius_mm(self);
-    csrbf_settings settings = settings_of(self, radius_mm, joined_manner(self));
+    csrbf_settings settings = settings_of(self, radius_mm, joined_solver_pull(self));
     for (uint32_t k = 0; k < h->count; ++k) {
         h->control[k].start = start_of(self, &h->control[k]);
         grip[k] = (face_control){h->control[k].start, h->control[k].contact};
@@ -572,8 +576,7 @@ static void engage(composer *self, holds *h)
     self->counts.engagements += 1;
 }
 
-/* Ends an engagement: bakes into the shape the pulls of the parts that `stays` accepts, and no
- * others. */
+/* Ends an engagement. Bakes into the shape only the pulls of the parts that `stays` accepts. */
 static void settle(composer *self, bool (*stays)(const part_state *v))
 {
     bool all_stay = true;
@@ -584,7 +587,7 @@ static void settle(composer *self, bool (*stays)(const part_state *v))
     show(self); /* the base is the shape of this step, not of the last drawn frame */
     if (!all_stay)
         show_only(self, stays);
-    if (counts_anybody(self, stays))
+    if (accepts_any_joined(self, stays))
         forget_held(self);
 }
 
@@ -616,14 +619,14 @@ static bool has_any_pull(const composer *self)
     return false;
 }
 
-/* No part is left: the face returns to its base. */
+/* Returns the face to its base when no part pulls. */
 static void rest(composer *self)
 {
     static const float still[MRT_MAX_DOFS] = {0};
     if (!self->engaged || self->joined_count == 0)
         return;
     face_ask_shapes(self->face, NULL);
-    aim(self, nobody, still);
+    aim(self, accepts_none, still);
     forget_held(self);
     self->joined_count = 0;
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
@@ -635,15 +638,15 @@ static bool has_committed(const part_state *v)
     return v->is_present && v->was_present && v->part.pull->commit != v->commit;
 }
 
-/* After a commit: a part that is not anchored has no pull until its next anchored one. */
+/* Called after a commit. A part that is not anchored has no pull until its next anchored pull. */
 static void forget_committed(part_state *v)
 {
     if (has_committed(v) && v->part.pull->mode != MRT_ANCHORED)
         v->has_pull = false;
 }
 
-/* Bakes the pulls of a part that commits into the base. True: a part did, and the others join anew.
- */
+/* Bakes the pulls of the parts that commit into the base. Returns true if there was one; all other
+ * parts must then join again. */
 static bool commit(composer *self)
 {
     bool is_wanted = false;
@@ -657,7 +660,7 @@ static bool commit(composer *self)
     settle(self, has_committed);
     face_commit(self->face);
     face_show(
-        self->face); /* the shape follows from the saved state alone, as after composer_load */
+        self->face); /* the shape must depend on the saved state alone, as after composer_load */
     self->engaged = false;
     for (uint32_t i = 0; i < self->order_count; ++i)
         forget_committed(&self->state[self->order[i]]);
@@ -675,33 +678,33 @@ static void join_parts(composer *self)
     }
     bool is_new = !self->engaged || fabsf(joined_radius_mm(self) - self->engaged_radius_mm) > 0.0f;
     for (uint32_t i = 0; i < self->order_count; ++i)
-        is_new |= is_anew(&self->state[self->order[i]]);
+        is_new |= is_regripped(&self->state[self->order[i]]);
     list_holds(self, &h);
     is_new |= !are_held(self, &h);
     if (is_new) {
         double position[MRT_MAX_VECTORS * 3];
-        bool comes[MRT_MAX_VECTORS] = {false};
+        bool is_new_grip[MRT_MAX_VECTORS] = {false};
         uint64_t before = self->counts.engagements;
-        find_grip_positions(self, &h, position, comes);
-        settle(self, is_anew);
+        find_grip_positions(self, &h, position, is_new_grip);
+        settle(self, is_regripped);
         keep_held(self, &h);
         engage(self, &h);
         if (self->counts.engagements != before)
-            hold_positions(self, position, comes);
+            hold_positions(self, position, is_new_grip);
     }
     join(self, &h);
     if (!self->engaged)
         return;
     float dof[MRT_MAX_DOFS];
     blend_dofs(self, dof);
-    ask_shapes(self);
+    request_shapes(self);
     aim(self, NULL, dof);
 }
 
-/* The guard: no control vector leads further from the face than this many times its size. */
+/* Limit of the guard: maximum distance of a control vector from the face, in sizes of the face. */
 static const double reach_in_faces = 10.0;
 
-/* ---- made and unmade ---- */
+/* ---- create and destroy ---- */
 
 static mrt_result create_face(composer *self, const face_file *file, error *err)
 {
@@ -732,7 +735,7 @@ static mrt_result create_shading(composer *self, const mesh *m, error *err)
     if (!triangle || !smooth) {
         free(triangle);
         free(smooth);
-        return error_set(err, MRT_ERR_MEMORY, "no memory for its normals");
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the normals of the face");
     }
     for (size_t i = 0; i < corners; ++i)
         triangle[i] = order->slot_of_file[m->triangle[i]];
@@ -758,7 +761,7 @@ double composer_radius_of(const face_file *file)
     return 0.25 * (height > 0 ? height : fmax(size, 1.0));
 }
 
-/* How large the face is, and the radius of a pull that names none. */
+/* Computes the size of the face and the default radius of pulls. */
 static void measure_face(composer *self, const face_file *file, const csrbf_settings *solver)
 {
     float low[3], high[3];
@@ -778,7 +781,7 @@ static void measure_face(composer *self, const face_file *file, const csrbf_sett
     self->solver.radius = self->solver.radius > 0 ? self->solver.radius : composer_radius_of(file);
 }
 
-/* What mappings may pull and drive. */
+/* Fills in the contacts and degrees of freedom that mappings may use. */
 static void describe_face(composer *self)
 {
     const bones *b = face_bones(self->face);
@@ -789,9 +792,9 @@ static void describe_face(composer *self)
     self->mapped.about.dof_count = b->dof_count;
 }
 
-/* ---- the poses that mappings get ---- */
+/* ---- poses for mappings ---- */
 
-/* "eyeBlinkLeft", "viseme_PP": the names that other programs know. */
+/* Names of poses that other programs use, such as "eyeBlinkLeft" and "viseme_PP". */
 enum { KNOWN_POSES = ARKIT_SHAPES + FACE_VISEMES };
 static void known_pose(char out[32], uint32_t i)
 {
@@ -823,7 +826,8 @@ static void describe_rig_pose(mrt_vec3 *pull, float *dof, const rig_pose *from,
                 dof[d] = (float)from->dof_value[k];
 }
 
-/* What the head's own shapes of that name do at the contacts and with the bones. False: none. */
+/* Adds the effect of the head's own shapes of that name on contacts and bones. Returns false if the
+ * head has no such shape. */
 static bool describe_shape(mrt_vec3 *pull, float *dof, const char *name, const composer *self,
                            float *offset)
 {
@@ -848,8 +852,8 @@ static bool describe_shape(mrt_vec3 *pull, float *dof, const char *name, const c
     return true;
 }
 
-/* The rig's poses, with a value for every contact and degree of freedom, and those of known names
- * that the rig leaves to the head's own shapes. */
+/* Lists the poses of the rig, with a value for every contact and degree of freedom. Adds the poses
+ * with known names that only the head's own shapes have. */
 static mrt_result describe_poses(composer *self, uint32_t vertex_count, error *err)
 {
     const mrt_face *about = &self->mapped.about;
@@ -944,8 +948,8 @@ static void copy_ends(double *out, const mrt_pull *pull)
     }
 }
 
-/* Where this step's drag begins: at the tips as they really are when the mapping goes on from its
- * last ends, else where the mapping says. */
+/* Computes where the drag of this step begins. If the last drag is still behind its ends, it
+ * continues from the tips. Otherwise it begins at the starts of the pull. */
 static void drag_from(const part_state *v, double *out_from)
 {
     const mrt_pull *pull = v->part.pull;
@@ -967,8 +971,8 @@ static void shorten(const part_state *v, const double *from, double *to)
         to[i] = from[i] + share * (to[i] - from[i]);
 }
 
-/* Tips that have fallen behind the hand come after it at most at twice its speed: what held them
- * back may be gone at once, and the shape must not jump. */
+/* Limits tips that are behind the hand to twice the speed of the hand. Otherwise the shape would
+ * jump when the obstacle that held them back disappears. */
 static void limit_catch_up(const part_state *v, const double *from, double *to)
 {
     const mrt_pull *pull = v->part.pull;
@@ -984,7 +988,7 @@ static void limit_catch_up(const part_state *v, const double *from, double *to)
     }
 }
 
-/* Some tip is not where the hand is. */
+/* Returns whether a tip has not reached the hand. */
 static bool is_behind(const part_state *v, const double *to)
 {
     return memcmp(v->tip, to, (size_t)v->tip_count * 3 * sizeof *to) != 0;
@@ -1025,12 +1029,13 @@ static void drag_along_way(composer *self, part_state *v, const csrbf_settings *
     self->counts.min_determinant = fmin(self->counts.min_determinant, step.min_determinant);
 }
 
-/* A drag changes the shape itself: takes off what the anchored parts add until it is done. */
-static void bare_shape(composer *self)
+/* A drag changes the shape itself, so this removes the pulls of the anchored parts until the drag
+ * is done. */
+static void remove_anchored(composer *self)
 {
     show(self);
-    if (is_anybody_joined(self) && self->is_mixed)
-        show_only(self, nobody);
+    if (has_joined_part(self) && self->is_mixed)
+        show_only(self, accepts_none);
     self->engaged = false;
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
         self->state[slot].is_joined = false;
@@ -1039,12 +1044,12 @@ static void bare_shape(composer *self)
 static void drag_unanchored(composer *self, part_state *v, double dt_s)
 {
     const mrt_pull *pull = v->part.pull;
-    bare_shape(self);
+    remove_anchored(self);
     csrbf_settings settings = composer_solver_of(self, pull);
     double to[MRT_MAX_VECTORS * 3];
     copy_ends(to, pull);
     bool near = !pull->gate || face_is_near(self->face, to, pull->count, settings.radius);
-    /* The first sample near the shape only sets where the tips start from. */
+    /* The first sample near the shape only sets the start of the tips. */
     bool may_move = near && v->was_near && pull->count > 0;
     if (pull->count == 0)
         may_move = drives_bones(self, pull);
@@ -1057,12 +1062,13 @@ static void drag_unanchored(composer *self, part_state *v, double dt_s)
         face_leak(self->face, to_double(pull->leak_per_s), dt_s);
 }
 
-/* The base goes on its way back to the rest shape; what the others pull stays. */
+/* Moves the base by the share `part` towards the rest shape. The pulls of the other parts are
+ * unchanged. */
 static void restore(composer *self, double part)
 {
     show(self);
-    if (is_anybody_joined(self))
-        show_only(self, nobody);
+    if (has_joined_part(self))
+        show_only(self, accepts_none);
     self->engaged = false;
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
         self->state[slot].is_joined = false;
@@ -1071,7 +1077,7 @@ static void restore(composer *self, double part)
 
 /* ---- the step ---- */
 
-static void take_parts(composer *self, const composer_part *part, uint32_t count)
+static void set_parts(composer *self, const composer_part *part, uint32_t count)
 {
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
         self->state[slot].is_present = false;
@@ -1086,8 +1092,8 @@ static void take_parts(composer *self, const composer_part *part, uint32_t count
     }
 }
 
-/* What the parts say now; true: something of it is new. */
-static bool listen(composer *self)
+/* Reads the current pulls of the parts. Returns true if any of them changed. */
+static bool update_pulls(composer *self)
 {
     bool is_new = false;
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot) {
@@ -1140,7 +1146,7 @@ static void note_pulled(composer *self)
     blend_dofs(self, self->pulled.dof);
 }
 
-static void leave(composer *self)
+static void end_step(composer *self)
 {
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot) {
         part_state *v = &self->state[slot];
@@ -1164,9 +1170,9 @@ static bool is_kneading(const part_state *v)
 
 void composer_move(composer *self, const composer_part *part, uint32_t count, double dt_s)
 {
-    take_parts(self, part, count);
+    set_parts(self, part, count);
     bool is_new = commit(self);
-    is_new |= listen(self);
+    is_new |= update_pulls(self);
     bool is_kneaded = false, is_held = false;
     for (uint32_t i = 0; i < self->order_count; ++i) {
         const part_state *v = &self->state[self->order[i]];
@@ -1187,7 +1193,7 @@ void composer_move(composer *self, const composer_part *part, uint32_t count, do
     if (is_held ? is_new || is_kneaded : is_new && !is_kneaded)
         join_parts(self);
     note_pulled(self);
-    leave(self);
+    end_step(self);
 }
 
 bool composer_is_near(const composer *self, const mrt_pull *pull)
@@ -1206,7 +1212,7 @@ void composer_draw(composer *self)
     shading_update(self->shading, &now);
 }
 
-/* ---- what others see ---- */
+/* ---- getters ---- */
 
 const mapped_face *composer_mapped(const composer *self)
 {
@@ -1282,13 +1288,13 @@ composer_counts *composer_counted(composer *self)
     return &self->counts;
 }
 
-/* The state of a composer as bytes: the pulls that hold the face. Which parts pull now is not
- * stored, as every step says it. */
+/* The state of a composer as bytes: the pulls that hold the face. The list of current parts is not
+ * stored, because every step sets it. */
 
 enum { STORE_VERSION = 3, STORE_WITH_POINTERS = 4 };
 enum { IS_ADDITIVE = 1, IS_POINTER = 2 };
 
-static void put_pull(bytes_out *out, const mrt_pull *pull)
+static void write_pull(bytes_out *out, const mrt_pull *pull)
 {
     bytes_write(out, pull, offsetof(mrt_pull, vector));
     bytes_write(out, pull->vector, pull->count * sizeof *pull->vector);
@@ -1300,7 +1306,7 @@ static bool is_point(mrt_vec3 p)
     return isfinite(p.x) && isfinite(p.y) && isfinite(p.z);
 }
 
-static void take_pull(bytes_in *in, const composer *self, mrt_pull *out)
+static void read_pull(bytes_in *in, const composer *self, mrt_pull *out)
 {
     *out = (mrt_pull){0};
     bytes_read(in, out, offsetof(mrt_pull, vector));
@@ -1318,7 +1324,7 @@ static void take_pull(bytes_in *in, const composer *self, mrt_pull *out)
         in->failed |= isinf(out->dof[i]);
 }
 
-static void put_state(bytes_out *out, const part_state *v)
+static void write_state(bytes_out *out, const part_state *v)
 {
     bytes_write_u32(out, v->part.layer);
     bytes_write_u32(out, (v->part.is_additive ? IS_ADDITIVE : 0) |
@@ -1326,11 +1332,11 @@ static void put_state(bytes_out *out, const part_state *v)
     bytes_write_u32(out, v->commit);
     bytes_write_u32(out, v->has_pull);
     if (v->has_pull)
-        put_pull(out, &v->last_pull);
+        write_pull(out, &v->last_pull);
     bytes_write_u32(out, v->is_joined);
     bytes_write_f64(out, v->weight);
     if (v->is_joined) {
-        put_pull(out, &v->joined);
+        write_pull(out, &v->joined);
         bytes_write_f64(out, v->share);
         bytes_write(out, v->control, v->joined.count * sizeof *v->control);
     }
@@ -1341,21 +1347,21 @@ static void put_state(bytes_out *out, const part_state *v)
         bytes_write(out, v->tip, (size_t)v->tip_count * 3 * sizeof *v->tip);
 }
 
-static void take_state(bytes_in *in, const composer *self, part_state *out)
+static void read_state(bytes_in *in, const composer *self, part_state *out)
 {
     out->was_present = true;
     out->part.layer = bytes_read_u32(in);
-    uint32_t manner = bytes_read_u32(in);
-    out->part.is_additive = (manner & IS_ADDITIVE) != 0;
-    out->part.is_pointer = (manner & IS_POINTER) != 0;
+    uint32_t flags = bytes_read_u32(in);
+    out->part.is_additive = (flags & IS_ADDITIVE) != 0;
+    out->part.is_pointer = (flags & IS_POINTER) != 0;
     out->commit = bytes_read_u32(in);
     out->has_pull = bytes_read_u32(in) != 0;
     if (out->has_pull)
-        take_pull(in, self, &out->last_pull);
+        read_pull(in, self, &out->last_pull);
     out->is_joined = bytes_read_u32(in) != 0;
     out->weight = bytes_read_f64(in);
     if (out->is_joined) {
-        take_pull(in, self, &out->joined);
+        read_pull(in, self, &out->joined);
         out->share = bytes_read_f64(in);
         bytes_read(in, out->control, out->joined.count * sizeof *out->control);
         for (uint32_t i = 0; i < out->joined.count; ++i)
@@ -1372,7 +1378,8 @@ static void take_state(bytes_in *in, const composer *self, part_state *out)
             out->tip[i] = bytes_read_f64(in);
 }
 
-/* Without any the format is STORE_VERSION, which older versions read. */
+/* Returns whether the state has pointers. Without pointers it is written as STORE_VERSION, which
+ * older versions can read. */
 static bool has_pointers(const composer *self)
 {
     bool any = false;
@@ -1382,7 +1389,7 @@ static bool has_pointers(const composer *self)
     return any;
 }
 
-static void put_pointers(bytes_out *out, const composer *self)
+static void write_pointers(bytes_out *out, const composer *self)
 {
     for (uint32_t k = 0; k < self->control_count; ++k) {
         bytes_write_u32(out, self->control[k].is_pointer);
@@ -1391,7 +1398,7 @@ static void put_pointers(bytes_out *out, const composer *self)
     }
 }
 
-static void take_pointers(bytes_in *in, composer *self)
+static void read_pointers(bytes_in *in, composer *self)
 {
     for (uint32_t k = 0; k < self->control_count; ++k) {
         self->control[k].is_pointer = bytes_read_u32(in) != 0;
@@ -1400,7 +1407,7 @@ static void take_pointers(bytes_in *in, composer *self)
     }
 }
 
-static void put_controls(bytes_out *out, const composer *self)
+static void write_controls(bytes_out *out, const composer *self)
 {
     bytes_write_u32(out, self->engaged);
     bytes_write_f64(out, (double)self->engaged_radius_mm);
@@ -1416,7 +1423,7 @@ static void put_controls(bytes_out *out, const composer *self)
     bytes_write(out, self->joined_order, self->joined_count * sizeof *self->joined_order);
 }
 
-static void take_controls(bytes_in *in, composer *self)
+static void read_controls(bytes_in *in, composer *self)
 {
     self->engaged = bytes_read_u32(in) != 0;
     double radius_mm = bytes_read_f64(in);
@@ -1429,7 +1436,8 @@ static void take_controls(bytes_in *in, composer *self)
     }
     for (uint32_t k = 0; k < self->control_count; ++k) {
         joined_control *c = &self->control[k];
-        memset(self->aimed + 3 * k, 0, 3 * sizeof *self->aimed); /* told again by the next step */
+        memset(self->aimed + 3 * k, 0,
+               3 * sizeof *self->aimed); /* computed again by the next step */
         c->contact = bytes_read_u32(in);
         c->slot = bytes_read_u32(in);
         c->vector = bytes_read_u32(in);
@@ -1452,9 +1460,9 @@ size_t composer_save(composer *self, void *bytes, size_t capacity)
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
     uint32_t state_count = 0;
     bytes_write_u32(&out, has_pointers(self) ? STORE_WITH_POINTERS : STORE_VERSION);
-    put_controls(&out, self);
+    write_controls(&out, self);
     if (has_pointers(self))
-        put_pointers(&out, self);
+        write_pointers(&out, self);
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
         state_count += self->state[slot].was_present || self->state[slot].is_joined;
     bytes_write_u32(&out, state_count);
@@ -1464,7 +1472,7 @@ size_t composer_save(composer *self, void *bytes, size_t capacity)
             continue;
         bytes_write_u32(&out, slot);
         bytes_write_u32(&out, v->was_present);
-        put_state(&out, v);
+        write_state(&out, v);
     }
     size_t face_size = face_save(self->face, NULL, 0);
     bytes_write_u32(&out, (uint32_t)face_size);
@@ -1477,9 +1485,9 @@ static mrt_result load(composer *self, bytes_in *in, error *err)
 {
     uint32_t version = bytes_read_u32(in);
     in->failed |= version != STORE_VERSION && version != STORE_WITH_POINTERS;
-    take_controls(in, self);
+    read_controls(in, self);
     if (version == STORE_WITH_POINTERS)
-        take_pointers(in, self);
+        read_pointers(in, self);
     uint32_t state_count = bytes_read_u32(in);
     for (uint32_t i = 0; i < state_count && !in->failed; ++i) {
         uint32_t slot = bytes_read_u32(in);
@@ -1488,7 +1496,7 @@ static mrt_result load(composer *self, bytes_in *in, error *err)
             in->failed = true;
             break;
         }
-        take_state(in, self, &self->state[slot]);
+        read_state(in, self, &self->state[slot]);
         self->state[slot].was_present = was_present;
     }
     size_t size = bytes_read_u32(in);

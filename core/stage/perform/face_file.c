@@ -33,7 +33,8 @@ static bool is_gltf_path(const char *path)
            strcmp(extension.text, "vrm") == 0;
 }
 
-/* What the rig says; else glTF is in metres, whatever a rig measures in. */
+/* Returns the frame in the rig. If it has no unit, the unit of the rig applies, but a glTF file is
+ * always in metres. */
 static mesh_frame frame_of_mesh(const rig *r)
 {
     mesh_frame frame = r->frame;
@@ -67,7 +68,8 @@ static mrt_result read_and_cut(mesh *out, const face_file *f, const char *path,
     return result;
 }
 
-/* A rig that was made before an OBJ had pictures gets the mesh that it was made for. */
+/* Older rigs of an OBJ count its vertices as written in the file, without the splits at texture
+ * seams. Reads the mesh with the vertex count that the rig was made for. */
 static mrt_result read_mesh(face_file *f, const char *path, const mesh_frame *frame, error *err)
 {
     mesh_frame of_rig = f->rig ? frame_of_mesh(f->rig) : (mesh_frame){0};
@@ -90,16 +92,16 @@ static mrt_result read_mesh(face_file *f, const char *path, const mesh_frame *fr
     return MRT_OK;
 }
 
-/* Reading checks that coordinates are finite; a field wants them within its reach too. */
+/* Checks that all coordinates are within the range of the engine. Reading has checked that they are
+ * finite. */
 static mrt_result check_reach(const mesh *m, const char *path, error *err)
 {
     for (size_t i = 0; i < (size_t)3 * m->vertex_count; ++i)
         if (!(fabsf(m->position[i]) <= POINTS_REACH))
-            return error_set(
-                err, MRT_ERR_UNSUPPORTED,
-                "%s: vertex %zu: its coordinate %g mm is not within +-%g mm: scale the "
-                "mesh, or say its --unit",
-                path, i / 3, (double)m->position[i], (double)POINTS_REACH);
+            return error_set(err, MRT_ERR_UNSUPPORTED,
+                             "%s: vertex %zu: coordinate %g mm is not within +-%g mm. Scale the "
+                             "mesh, or set --unit",
+                             path, i / 3, (double)m->position[i], (double)POINTS_REACH);
     return MRT_OK;
 }
 
@@ -113,16 +115,16 @@ static mrt_result validate(const face_file *f, const char *path, error *err)
 
 static void note_unused_shapes(face_file *f)
 {
-    uint32_t count = f->mesh.target_count, taken = face_shapes_of(&f->mesh);
-    if (!f->rig || taken == count)
+    uint32_t count = f->mesh.target_count, used_count = face_shapes_of(&f->mesh);
+    if (!f->rig || used_count == count)
         return;
-    if (taken > 0)
-        mesh_note(&f->mesh, "%s: of its %u shapes the first %u are used", f->rig->mesh_path, count,
-                  taken);
+    if (used_count > 0)
+        mesh_note(&f->mesh, "%s: the mesh has %u shapes; only the first %u are used",
+                  f->rig->mesh_path, count, used_count);
     else
         mesh_note(&f->mesh,
-                  "%s: its %u shapes of %u vertices would need more than 1 GiB: they are left out, "
-                  "and it performs as clay",
+                  "%s: %u shapes of %u vertices need more than 1 GiB. They are skipped, "
+                  "and the face performs without shapes",
                   f->rig->mesh_path, count, f->mesh.vertex_count);
 }
 
@@ -195,7 +197,7 @@ mrt_result face_file_cut_mouth(face_file *f, const uint32_t *chain, uint32_t cou
     return join_notes(f, err);
 }
 
-/* Adds to the rig of a mesh the puppet's poses (rig_poses_carry). */
+/* Adds the puppet's poses to the rig of a mesh (rig_poses_carry). */
 static mrt_result carry_poses(rig *r, const mesh *m, error *err)
 {
     face_file model;
@@ -211,14 +213,15 @@ static mrt_result carry_poses(rig *r, const mesh *m, error *err)
     return result;
 }
 
-/* What the rig must say of its mesh, so that it is read again as it was read now. */
+/* Stores in the rig the unit and axes with which the mesh was read, so that it is read the same way
+ * again. */
 static void keep_frame(rig *r, const mesh *m, const char *mesh_path)
 {
     const bool is_gltf = is_gltf_path(mesh_path);
     double mm = m->mm_per_unit;
     bool is_named = mm == 1.0 || mm == 10.0 || mm == 1000.0;
     if (!is_named)
-        r->mm_per_unit = 1.0; /* a rig's own numbers are in a unit that has a name */
+        r->mm_per_unit = 1.0; /* the numbers of a rig are in a named unit: mm, cm or m */
     if (!is_named || (is_gltf && mm != 1000.0))
         r->frame.mm_per_unit = mm;
     if (m->up != MESH_AXIS_Y || m->forward != MESH_AXIS_Z) {
@@ -227,13 +230,14 @@ static void keep_frame(rig *r, const mesh *m, const char *mesh_path)
     }
 }
 
-static mrt_result add_line(char **text, const char *what, const char *why, error *err)
+static mrt_result add_line(char **text, const char *prefix, const char *reason, error *err)
 {
-    const size_t used = *text ? strlen(*text) : 0, size = used + strlen(what) + strlen(why) + 2;
+    const size_t used = *text ? strlen(*text) : 0,
+                 size = used + strlen(prefix) + strlen(reason) + 2;
     char *longer = realloc(*text, size);
     if (!longer)
         return no_memory(err);
-    (void)snprintf(longer + used, size - used, "%s%s\n", what, why);
+    (void)snprintf(longer + used, size - used, "%s%s\n", prefix, reason);
     *text = longer;
     return MRT_OK;
 }
@@ -242,18 +246,18 @@ mrt_result face_file_draft(rig *out, char **out_confirm, const mesh *m, const to
                            const char *mesh_path, const uint32_t *cut_mouth, uint32_t cut_count,
                            error *err)
 {
-    error why = {""};
+    error reason = {""};
     mrt_result result =
         rig_draft_make(out, out_confirm, m, t, mesh_path, cut_mouth, cut_count, err);
     if (result < 0)
         return result;
     keep_frame(out, m, mesh_path);
     const uint32_t first = out->pose_count;
-    if (carry_poses(out, m, &why) < 0 || rig_poses_ease(out, first, m, t, &why) < 0)
+    if (carry_poses(out, m, &reason) < 0 || rig_poses_ease(out, first, m, t, &reason) < 0)
         while (out->pose_count > first)
             rig_pose_finish(&out->pose[--out->pose_count]);
-    if (why.text[0])
-        result = add_line(out_confirm, "poses: ", why.text, err);
+    if (reason.text[0])
+        result = add_line(out_confirm, "poses: ", reason.text, err);
     if (result < 0) {
         rig_destroy(out);
         free(*out_confirm);
@@ -262,7 +266,7 @@ mrt_result face_file_draft(rig *out, char **out_confirm, const mesh *m, const to
     return result;
 }
 
-/* With a rig of its own, which has more poses. */
+/* own: a copy of the rig with more poses, or NULL. */
 static mrt_result find_weights(face_weights **out, const face_file *f, rig *own, error *err)
 {
     binding bound = {0};
@@ -293,7 +297,7 @@ mrt_result face_file_weights(face_weights **out, const face_file *f, error *err)
     if (result < 0)
         return result;
     if (carry_poses(&own, &f->mesh, &ignored) < 0)
-        ignored.text[0] = '\0'; /* fewer names, then */
+        ignored.text[0] = '\0'; /* not an error: only fewer names */
     result = find_weights(out, f, &own, err);
     rig_destroy(&own);
     return result;

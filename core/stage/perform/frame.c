@@ -19,11 +19,11 @@ static void end_phase(stage_frame *f, frame_phase phase, int64_t *since_ns)
     *since_ns = now_ns;
 }
 
-static void count_fault(performer *p, const char *who, const char *fault)
+static void count_fault(performer *p, const char *source, const char *fault)
 {
     p->counts->bad_pulls += 1;
     if (!p->counts->first_problem.text[0])
-        error_set(&p->counts->first_problem, MRT_ERR_FORMAT, "%s gave %s", who, fault);
+        error_set(&p->counts->first_problem, MRT_ERR_FORMAT, "%s gave %s", source, fault);
 }
 
 /* ---- phase 3, hands ---- */
@@ -34,7 +34,9 @@ static void pass_time(layer *of, int64_t time_ns)
     static const double dt_max_s = 0.1;
     if (of->has_time && time_ns < of->frame.time_ns)
         time_ns = of->frame.time_ns;
-    uint64_t since_ns = (uint64_t)time_ns - (uint64_t)of->frame.time_ns; /* records may lie */
+    uint64_t since_ns =
+        (uint64_t)time_ns -
+        (uint64_t)of->frame.time_ns; /* unsigned: the times of a recording may be arbitrary */
     double dt_s = of->has_time ? (double)since_ns / (double)NS_PER_S : 0.0;
     of->frame.dt_s = fmin(dt_s, dt_max_s);
     of->frame.time_ns = time_ns;
@@ -72,7 +74,7 @@ static void report_params(layer *of, int64_t time_ns)
 
 /* ---- phase 5, mapping ---- */
 
-static mrt_result ask_mapping(layer *of)
+static mrt_result run_mapping(layer *of)
 {
     if (layer_is_answered(of))
         return answers_pop(of->answers, of->frame.time_ns, &of->pull);
@@ -89,7 +91,7 @@ static mrt_result ask_mapping(layer *of)
 
 static void accept_pull(performer *p, layer *of, mrt_result answer)
 {
-    char who[96];
+    char source[96];
     if (answer == MRT_HOLD) {
         layer_keep_good(of);
         return;
@@ -99,8 +101,8 @@ static void accept_pull(performer *p, layer *of, mrt_result answer)
         layer_use_pull(of);
         return;
     }
-    (void)snprintf(who, sizeof who, "mapping %s", of->mapping->type->id);
-    count_fault(p, who, fault);
+    (void)snprintf(source, sizeof source, "mapping %s", of->mapping->type->id);
+    count_fault(p, source, fault);
     layer_keep_good(of);
 }
 
@@ -116,7 +118,7 @@ mrt_result frame_step(stage_frame *f, error *err)
         scheduler_take(f->sources, s);
     end_phase(f, FRAME_SCHEDULE, &at_ns);
 
-    /* 2. Record, before anything looks at the samples. */
+    /* 2. Record the samples before any other phase reads them. */
     mrt_result result = f->record ? f->record(f->self, f, err) : MRT_OK;
     end_phase(f, FRAME_RECORD, &at_ns);
     if (result != MRT_OK)
@@ -128,7 +130,8 @@ mrt_result frame_step(stage_frame *f, error *err)
     p->counts->samples += s->count;
     p->counts->steps += 1;
 
-    /* 3. Hands: samples are calibrated, filtered and posed. The mouse on the face pulls too. */
+    /* 3. Hands: calibrate, filter and pose the samples. Read the pointer: the mouse on the face
+     * pulls too. */
     in->near = composer_is_near(p->composer, layer_pull(of));
     pass_time(of, s->time_ns);
     hands_read(of->hands, s, in);
@@ -139,7 +142,7 @@ mrt_result frame_step(stage_frame *f, error *err)
     layer_go_on(of);
     end_phase(f, FRAME_HANDS, &at_ns);
 
-    /* 4. Patch: channels become parameters here. What they pull joins in phase 7. */
+    /* 4. Patch: channels become parameters here. The pulls of the patch join in phase 7. */
     instance_latch(of->mapping);
     report_params(of, s->time_ns);
     patch_bay_step(&of->bay, in, of->mapping->type, of->mapping->params, &of->good);
@@ -151,21 +154,22 @@ mrt_result frame_step(stage_frame *f, error *err)
     end_phase(f, FRAME_PATCH, &at_ns);
 
     /* 5. Mapping: the plugin turns hands into a pull: control vectors, degrees of freedom. */
-    mrt_result answer = ask_mapping(of);
+    mrt_result answer = run_mapping(of);
     end_phase(f, FRAME_MAPPING, &at_ns);
 
-    /* 6. Guard: a pull that makes no sense is dropped, and the last good one stays. */
+    /* 6. Guard: an invalid pull is dropped, and the last valid one is kept. */
     accept_pull(p, of, answer);
     end_phase(f, FRAME_GUARD, &at_ns);
     if (f->is_pull_only)
         return MRT_OK;
 
-    /* 7. Compose: the pulls of all voices, of what fades out, of patches and pointers. */
+    /* 7. Compose: collect the pulls of all voices, including patches, pointers and pulls that fade
+     * out. */
     performer_parts parts;
     performer_compose(p, s->voice, s->due_ns, &parts);
     end_phase(f, FRAME_COMPOSE, &at_ns);
 
-    /* 8. Solve: all parts become one engagement, or drag the clay one after the other. */
+    /* 8. Solve: all parts are joined in one engagement, or drag the shape one after the other. */
     composer_move(p->composer, parts.part, parts.count, in->dt_s);
     end_phase(f, FRAME_SOLVE, &at_ns);
 
@@ -181,20 +185,20 @@ void frame_recompose(performer *p, int64_t now_ns)
     composer_move(p->composer, parts.part, parts.count, 0.0);
 }
 
-/* ---- a drawn frame, from the fields of the face to where it is seen ---- */
+/* ---- a drawn frame, from the fields of the face to its sinks ---- */
 
 mrt_result frame_draw(stage_frame *f, int64_t time_ns, error *err)
 {
     int64_t at_ns = start_clock(f);
 
-    /* 9. Deform: positions within the limits of the skin, collisions, normals. */
+    /* 9. Deform: compute positions within the limits of the skin, collisions and normals. */
     mrt_result result = f->show ? f->show(f->self, f, time_ns, err) : MRT_OK;
     if (result < 0 || !f->performer)
         return result;
     composer_draw(f->performer->composer);
     end_phase(f, FRAME_DEFORM, &at_ns);
 
-    /* 10. Publish: the newest face goes to its sinks, which never wait for each other. */
+    /* 10. Publish: send the newest face to its sinks, which never wait for each other. */
     mrt_result published = f->publish ? f->publish(f->self, f, err) : MRT_OK;
     end_phase(f, FRAME_PUBLISH, &at_ns);
     return published < 0 ? published : result;

@@ -1,6 +1,6 @@
-/* stage/perform/frame.h - one frame, from the samples of a step to the published face. Begin here
- * to read how marotte performs: the two functions of frame.c list all phases in their order, and
- * what goes from one phase to the next. Live, offline, a played take, an exported take and an
+/* stage/perform/frame.h - one frame, from the samples of a step to the published face. Start here
+ * to learn how marotte performs. The two functions of frame.c list all phases in order, with the
+ * data that each phase passes to the next. Live, offline, a played take, an exported take and an
  * overdub call the same functions. They differ in the clock (when they call), the sources (the
  * scheduler) and the sinks (the hooks of the frame).
  *
@@ -13,12 +13,12 @@
 #include "stage/perform/scheduler.h"
 
 typedef enum frame_phase {
-    FRAME_SCHEDULE = 0, /* sources -> sample_step: samples that are performed together */
+    FRAME_SCHEDULE = 0, /* sources -> sample_step: samples performed together */
     FRAME_RECORD,       /* sample_step -> the show file */
     FRAME_HANDS,        /* sample_step -> mrt_frame: hands, pedals, channels */
     FRAME_PATCH,        /* mrt_frame.inputs -> mrt_frame.params, patch_bay.pull */
     FRAME_MAPPING,      /* mrt_frame -> mrt_pull */
-    FRAME_GUARD,        /* mrt_pull -> layer.good: the last pull that makes sense */
+    FRAME_GUARD,        /* mrt_pull -> layer.good: the last valid pull */
     FRAME_COMPOSE,      /* performer.voice -> performer_parts: the pulls of all voices */
     FRAME_SOLVE,        /* performer_parts -> the fields of the face */
     FRAME_DEFORM,       /* fields -> positions and normals */
@@ -28,7 +28,7 @@ typedef enum frame_phase {
 
 typedef struct stage_frame {
     performer *performer; /* performs the step; its face is drawn. The hooks may set it */
-    scheduler *sources;   /* the step is taken from these; NULL: the caller made the step */
+    scheduler *sources;   /* sources of the step; NULL: the caller made the step */
     bool is_pull_only;    /* a step ends after the guard: the face does not move */
 
     /* Hooks: the sinks of the frame. Each may be NULL. */
@@ -46,8 +46,8 @@ typedef struct stage_frame {
     int64_t took_ns[FRAME_PHASES]; /* summed until the owner clears it */
 } stage_frame;
 
-/* Performs `step`: phases 1 to 8. The caller has set the step, by scheduler_next of `sources` or by
- * itself. */
+/* Performs `step`: phases 1 to 8. The caller has set the step, with scheduler_next of `sources` or
+ * directly. */
 CHECKED mrt_result frame_step(stage_frame *f, error *err);
 /* Draws the face: phases 9 and 10. Returns MRT_END where `show` does. */
 CHECKED mrt_result frame_draw(stage_frame *f, int64_t time_ns, error *err);

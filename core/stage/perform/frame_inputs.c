@@ -40,7 +40,8 @@ static uint32_t slot_of(const frame_inputs *self, const channel_route *route)
     return self->count < MRT_MAX_INPUTS ? self->count : oldest;
 }
 
-/* Described anew only where it has changed: names may be long. */
+/* Copies the names and channels of an input if they changed. The comparison avoids copying long
+ * names at each step. */
 static void describe(frame_inputs *self, uint32_t i, const channel_route *route)
 {
     const channel_table *from = &route->table;
@@ -78,16 +79,16 @@ void frame_inputs_read(frame_inputs *self, const sample_step *s, int64_t time_ns
     }
 }
 
-/* ---- kept ---- */
+/* ---- save and load ---- */
 
-static void put_text(bytes_out *out, const char *text)
+static void write_text(bytes_out *out, const char *text)
 {
     uint32_t length = (uint32_t)strlen(text);
     bytes_write_u32(out, length);
     bytes_write(out, text, length);
 }
 
-static void take_text(bytes_in *in, char *out, size_t capacity)
+static void read_text(bytes_in *in, char *out, size_t capacity)
 {
     uint32_t length = bytes_read_u32(in);
     memset(out, 0, capacity);
@@ -104,13 +105,13 @@ size_t frame_inputs_save(const frame_inputs *self, void *bytes, size_t capacity)
     bytes_write_u32(&out, STORE_VERSION);
     bytes_write_u32(&out, self->count);
     for (uint32_t i = 0; i < self->count; ++i) {
-        put_text(&out, self->name[i]);
+        write_text(&out, self->name[i]);
         bytes_write(&out, &self->shown[i].time_ns, sizeof self->shown[i].time_ns);
         bytes_write_u32(&out, self->table[i].count);
         for (uint32_t c = 0; c < self->table[i].count; ++c) {
             const mrt_channel *channel = &self->table[i].channel[c];
-            put_text(&out, channel->name);
-            put_text(&out, channel->unit);
+            write_text(&out, channel->name);
+            write_text(&out, channel->unit);
             bytes_write_u32(&out, channel->semantic);
             bytes_write_u32(&out, channel->hand);
             bytes_write(&out, &channel->min, sizeof channel->min);
@@ -121,12 +122,12 @@ size_t frame_inputs_save(const frame_inputs *self, void *bytes, size_t capacity)
     return out.size;
 }
 
-static void take_channel(bytes_in *in, frame_inputs *self, uint32_t i, uint32_t c)
+static void read_channel(bytes_in *in, frame_inputs *self, uint32_t i, uint32_t c)
 {
     channel_table *table = &self->table[i];
     mrt_channel *channel = &table->channel[c];
-    take_text(in, table->name[c], CHANNEL_NAME);
-    take_text(in, table->unit[c], CHANNEL_UNIT);
+    read_text(in, table->name[c], CHANNEL_NAME);
+    read_text(in, table->unit[c], CHANNEL_UNIT);
     channel->name = table->name[c];
     channel->unit = table->unit[c];
     channel->semantic = bytes_read_u32(in);
@@ -138,18 +139,18 @@ static void take_channel(bytes_in *in, frame_inputs *self, uint32_t i, uint32_t 
                   !isfinite(channel->max) || !isfinite(self->value[i][c]);
 }
 
-static void take_input(bytes_in *in, frame_inputs *self, uint32_t i)
+static void read_input(bytes_in *in, frame_inputs *self, uint32_t i)
 {
     int64_t time_ns = 0;
     channel_table *table = &self->table[i];
     *table = (channel_table){0};
     memset(self->value[i], 0, sizeof self->value[i]);
-    take_text(in, self->name[i], ROUTE_NAME);
+    read_text(in, self->name[i], ROUTE_NAME);
     bytes_read(in, &time_ns, sizeof time_ns);
     table->count = bytes_read_u32(in);
     in->failed |= table->count == 0 || table->count > MRT_MAX_CHANNELS;
     for (uint32_t c = 0; !in->failed && c < table->count; ++c)
-        take_channel(in, self, i, c);
+        read_channel(in, self, i, c);
     show(self, i, time_ns);
 }
 
@@ -161,7 +162,7 @@ bool frame_inputs_load(frame_inputs *self, const void *bytes, size_t size)
     uint32_t count = bytes_read_u32(&in);
     in.failed |= count > MRT_MAX_INPUTS;
     for (uint32_t i = 0; !in.failed && i < count; ++i)
-        take_input(&in, self, i);
+        read_input(&in, self, i);
     if (in.failed || in.at != in.end)
         return false;
     self->count = count;

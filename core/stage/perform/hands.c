@@ -18,12 +18,12 @@ typedef struct one_hand {
     float raw[MRT_ANGLES];
     float wrist_raw[EASE_WRIST];
     bool has_wrist;
-    still_window window; /* filtered angles, as the tables say: before the offset */
+    still_window window; /* filtered, calibrated angles, before the re-zero offset */
     float neutral_rad[MRT_ANGLES];
     ease_offset offset;
     ease_angles eased;
     ease_wrist eased_wrist;
-    float angle_rad[MRT_ANGLES]; /* as shown */
+    float angle_rad[MRT_ANGLES]; /* final angles, as the frame shows them */
 } one_hand;
 
 struct hands {
@@ -43,14 +43,14 @@ static double to_double(float v)
     return (double)v;
 }
 
-/* As it is before its first sample. */
-static void forget(one_hand *hand)
+/* Sets the hand to its state before the first sample. */
+static void clear_hand(one_hand *hand)
 {
     *hand = (one_hand){.skeleton = hand->skeleton};
     hand_filter_init(&hand->filter);
     still_init(&hand->window, REZERO_SPAN_NS, (1u << MRT_ANGLES) - 1);
     for (int i = 0; i < MRT_ANGLES; ++i)
-        hand->raw[i] = NAN; /* until a channel says otherwise: the sensor's middle value */
+        hand->raw[i] = NAN; /* NaN until a channel has a value: the sensor's middle value is used */
 }
 
 static mrt_result init_hand(one_hand *hand, uint32_t side, double length_mm, error *err)
@@ -74,7 +74,7 @@ static void tune(one_hand *hand, const hands_settings *settings)
 void hands_reset(hands *self)
 {
     for (int side = 0; side < 2; ++side) {
-        forget(&self->hand[side]);
+        clear_hand(&self->hand[side]);
         tune(&self->hand[side], &self->settings);
     }
     self->is_rezero_down = self->is_rezero_pressed = false;
@@ -153,7 +153,8 @@ void channel_route_call(channel_route *route, const char *name)
     snprintf(route->name, sizeof route->name, "%s", name ? name : "");
 }
 
-/* Counts by a glove's, rad by one of that kind of input. */
+/* Returns whether a calibration fits the input. Counts need one of a glove; rad needs one of that
+ * kind of input. */
 static bool is_made_for(const channel_route *route, uint32_t side, const hand_calibration *of)
 {
     const size_t length = strlen(of->input);
@@ -169,7 +170,7 @@ void channel_route_calibrate(channel_route *route, uint32_t side,
     if (!calibration || side > MRT_RIGHT || !is_made_for(route, side, calibration))
         return;
     route->calibration[side] = *calibration;
-    /* What neither the glove measures nor the calibration knows is estimated. */
+    /* A distal joint is estimated unless both the input and the calibration have it. */
     for (int finger = 0; finger < SENSOR_DISTAL_COUNT; ++finger)
         route->calibration[side].has_distal[finger] =
             calibration->has_distal[finger] && route->has_distal[side][finger];
@@ -197,7 +198,8 @@ mrt_result hands_rezero(hands *self, uint32_t side, int64_t time_ns, error *why)
     if (!why)
         why = &reason;
     if (side > MRT_RIGHT)
-        return error_set(why, MRT_ERR_ARGUMENT, "there is no hand %u", side);
+        return error_set(why, MRT_ERR_ARGUMENT,
+                         "hand %u does not exist: 0 is the left hand, 1 the right", side);
     one_hand *hand = &self->hand[side];
     still_state still = still_measure(&hand->window);
     double worst_deg = still.worst * DEGREES_PER_RADIAN;
@@ -206,13 +208,13 @@ mrt_result hands_rezero(hands *self, uint32_t side, int64_t time_ns, error *why)
         return refuse(self, why);
     }
     if (!still.is_full) {
-        (void)error_set(why, MRT_HOLD, "the %s hand has been there for less than half a second",
+        (void)error_set(why, MRT_HOLD, "the %s hand has been visible for less than half a second",
                         side_name[side]);
         return refuse(self, why);
     }
     if (worst_deg > REZERO_DEVIATION_DEG) {
         (void)error_set(why, MRT_HOLD,
-                        "the %s hand is not still: its %s moves by %.1f degrees, %.1f are allowed",
+                        "the %s hand is not still: its %s moves by %.1f degrees; at most %.1f",
                         side_name[side], sensor_table[still.worst_channel].label, worst_deg,
                         REZERO_DEVIATION_DEG);
         return refuse(self, why);
@@ -231,7 +233,7 @@ const rezero_counts *hands_rezeros(const hands *self)
     return &self->counts;
 }
 
-/* As after a gap. */
+/* Restarts the easing as after a gap. */
 hand_skeleton *hands_change(hands *self, uint32_t side, hand_skeleton *skeleton)
 {
     one_hand *hand = &self->hand[side];
@@ -259,7 +261,7 @@ static void read_pedal(hands *self, uint32_t pedal, float value, mrt_frame *fram
     self->is_rezero_down = is_down;
 }
 
-/* The pedal's press is in the samples, so a replay re-zeroes at the same one. */
+/* The press of the pedal is recorded in the samples, so a replay re-zeroes at the same sample. */
 static void follow_rezero_pedal(hands *self, int64_t time_ns)
 {
     if (!self->is_rezero_pressed)
@@ -268,7 +270,7 @@ static void follow_rezero_pedal(hands *self, int64_t time_ns)
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side)
         if (self->hand[side].eased.clock.has_shown &&
             hands_rezero(self, side, time_ns, NULL) != MRT_OK)
-            continue; /* counted there */
+            continue; /* hands_rezero counts the refusal */
 }
 
 /* ---- samples ---- */
@@ -278,8 +280,9 @@ static bool has_filter(const hands_settings *settings)
     return settings->min_cutoff_hz > 0.0 || settings->has_beta;
 }
 
-/* A tracker that lost the hand and found another pose for it: further and faster than fingers go
- * (20 joints of 400 degrees/s are 1 800). Compares with what was measured before. */
+/* Returns whether a tracker lost the hand and found it in another pose. Such a jump is larger and
+ * faster than fingers can move (20 joints at 400 degrees/s are 1 800). Compares with the previous
+ * measurement. */
 static bool is_jump(const landmark_filter *before, const float *angle_rad, int64_t time_ns)
 {
     static const double jump_deg = 45.0, jump_deg_s = 3000.0;
@@ -294,8 +297,8 @@ static bool is_jump(const landmark_filter *before, const float *angle_rad, int64
     return way_deg > jump_deg && way_deg > 1e-9 * jump_deg_s * (double)(time_ns - before->last_ns);
 }
 
-/* As after a gap: the pose eases from what it was. */
-static void begin_anew(one_hand *hand)
+/* Resets the landmark filter after a jump. The pose eases from its last value, as after a gap. */
+static void restart_after_jump(one_hand *hand)
 {
     landmark_filter_reset(&hand->landmarks);
     hand->eased.clock.last_ns -= 2 * HAND_GAP_NS;
@@ -309,7 +312,7 @@ static void read_angles(hands *self, const channel_route *route, int side, int64
     hand_calibrate(calibration, hand->raw, angle_rad);
     if (route->is_of_landmarks[side] && !has_filter(&self->settings)) {
         if (is_jump(&hand->landmarks, angle_rad, time_ns))
-            begin_anew(hand);
+            restart_after_jump(hand);
         landmark_filter_apply(&hand->landmarks, angle_rad, time_ns);
     } else {
         hand_filter_apply(&hand->filter, angle_rad, time_ns);
@@ -392,10 +395,10 @@ void hands_read(hands *self, const sample_step *s, mrt_frame *frame)
 
 /* ---- the state of the hands as bytes ---- */
 
-/* Without landmarks the format is STORE_VERSION, which older versions read. */
+/* Without landmarks the format is STORE_VERSION, which older versions can read. */
 enum { STORE_VERSION = 1, STORE_WITH_LANDMARKS = 2 };
 
-static void take_finite(bytes_in *in, float *out, size_t count)
+static void read_finite(bytes_in *in, float *out, size_t count)
 {
     bytes_read(in, out, count * sizeof *out);
     for (size_t i = 0; i < count; ++i)
@@ -404,7 +407,7 @@ static void take_finite(bytes_in *in, float *out, size_t count)
 
 /* ---- filter and window ---- */
 
-static void put_filter(bytes_out *out, const hand_filter *filter)
+static void write_filter(bytes_out *out, const hand_filter *filter)
 {
     for (int i = 0; i < MRT_ANGLES; ++i) {
         bytes_write(out, &filter->state[i].value, sizeof filter->state[i].value);
@@ -415,18 +418,18 @@ static void put_filter(bytes_out *out, const hand_filter *filter)
     bytes_write_u32(out, filter->running);
 }
 
-static void take_filter(bytes_in *in, hand_filter *filter)
+static void read_filter(bytes_in *in, hand_filter *filter)
 {
     for (int i = 0; i < MRT_ANGLES; ++i) {
-        take_finite(in, &filter->state[i].value, 1);
-        take_finite(in, &filter->state[i].derivative, 1);
+        read_finite(in, &filter->state[i].value, 1);
+        read_finite(in, &filter->state[i].derivative, 1);
         filter->state[i].running = bytes_read_u32(in) != 0;
     }
     bytes_read(in, &filter->last_ns, sizeof filter->last_ns);
     filter->running = bytes_read_u32(in) != 0;
 }
 
-static void put_landmarks(bytes_out *out, const landmark_filter *filter)
+static void write_landmarks(bytes_out *out, const landmark_filter *filter)
 {
     for (int i = 0; i < MRT_ANGLES; ++i) {
         const landmark_channel *c = &filter->channel[i];
@@ -440,14 +443,14 @@ static void put_landmarks(bytes_out *out, const landmark_filter *filter)
     bytes_write(out, &filter->last_dt_s, sizeof filter->last_dt_s);
 }
 
-static void take_landmarks(bytes_in *in, landmark_filter *filter)
+static void read_landmarks(bytes_in *in, landmark_filter *filter)
 {
     for (int i = 0; i < MRT_ANGLES; ++i) {
         landmark_channel *c = &filter->channel[i];
-        take_finite(in, &c->value, 1);
-        take_finite(in, &c->deviation, 1);
-        take_finite(in, &c->variance, 1);
-        take_finite(in, c->measured, 2);
+        read_finite(in, &c->value, 1);
+        read_finite(in, &c->deviation, 1);
+        read_finite(in, &c->variance, 1);
+        read_finite(in, c->measured, 2);
         in->failed |= c->variance < 0.0f;
     }
     filter->count = bytes_read_u32(in);
@@ -457,8 +460,8 @@ static void take_landmarks(bytes_in *in, landmark_filter *filter)
                   !(filter->last_dt_s >= 0.0 && filter->last_dt_s < 1.0);
 }
 
-/* The rows in use, oldest first. */
-static void put_window(bytes_out *out, const still_window *window)
+/* Writes the rows in use, oldest first. */
+static void write_window(bytes_out *out, const still_window *window)
 {
     bytes_write_u32(out, window->count);
     for (uint32_t i = 0; i < window->count; ++i) {
@@ -468,7 +471,7 @@ static void put_window(bytes_out *out, const still_window *window)
     }
 }
 
-static void take_window(bytes_in *in, still_window *window)
+static void read_window(bytes_in *in, still_window *window)
 {
     window->first = 0;
     window->count = bytes_read_u32(in);
@@ -479,7 +482,7 @@ static void take_window(bytes_in *in, still_window *window)
     for (uint32_t row = 0; row < window->count; ++row) {
         int64_t *time_ns = &window->time_ns[row];
         bytes_read(in, time_ns, sizeof *time_ns);
-        take_finite(in, window->value[row], MRT_ANGLES);
+        read_finite(in, window->value[row], MRT_ANGLES);
         uint64_t since_ns = (uint64_t)*time_ns - (uint64_t)window->time_ns[0];
         in->failed |= since_ns > (uint64_t)window->span_ns || (row > 0 && *time_ns <= time_ns[-1]);
     }
@@ -487,7 +490,7 @@ static void take_window(bytes_in *in, still_window *window)
 
 /* ---- eases ---- */
 
-static void put_clock(bytes_out *out, const ease_clock *clock)
+static void write_clock(bytes_out *out, const ease_clock *clock)
 {
     bytes_write_u32(out, clock->has_shown);
     bytes_write_u32(out, clock->is_easing);
@@ -495,7 +498,7 @@ static void put_clock(bytes_out *out, const ease_clock *clock)
     bytes_write(out, &clock->start_ns, sizeof clock->start_ns);
 }
 
-static void take_clock(bytes_in *in, ease_clock *clock)
+static void read_clock(bytes_in *in, ease_clock *clock)
 {
     clock->has_shown = bytes_read_u32(in) != 0;
     clock->is_easing = bytes_read_u32(in) != 0;
@@ -503,44 +506,44 @@ static void take_clock(bytes_in *in, ease_clock *clock)
     bytes_read(in, &clock->start_ns, sizeof clock->start_ns);
 }
 
-static void put_hand(bytes_out *out, const one_hand *hand)
+static void write_hand(bytes_out *out, const one_hand *hand)
 {
-    put_filter(out, &hand->filter);
+    write_filter(out, &hand->filter);
     bytes_write(out, hand->raw, sizeof hand->raw);
     bytes_write(out, hand->wrist_raw, sizeof hand->wrist_raw);
     bytes_write_u32(out, hand->has_wrist);
-    put_window(out, &hand->window);
+    write_window(out, &hand->window);
     bytes_write(out, hand->neutral_rad, sizeof hand->neutral_rad);
     bytes_write(out, &hand->offset.start_ns, sizeof hand->offset.start_ns);
     bytes_write(out, hand->offset.from_rad, sizeof hand->offset.from_rad);
     bytes_write(out, hand->offset.to_rad, sizeof hand->offset.to_rad);
-    put_clock(out, &hand->eased.clock);
+    write_clock(out, &hand->eased.clock);
     bytes_write(out, hand->eased.last, sizeof hand->eased.last);
     bytes_write(out, hand->eased.from, sizeof hand->eased.from);
-    put_clock(out, &hand->eased_wrist.clock);
+    write_clock(out, &hand->eased_wrist.clock);
     bytes_write(out, hand->eased_wrist.last, sizeof hand->eased_wrist.last);
     bytes_write(out, hand->eased_wrist.from, sizeof hand->eased_wrist.from);
     bytes_write(out, hand->angle_rad, sizeof hand->angle_rad);
 }
 
-static void take_hand(bytes_in *in, one_hand *hand)
+static void read_hand(bytes_in *in, one_hand *hand)
 {
-    take_filter(in, &hand->filter);
+    read_filter(in, &hand->filter);
     bytes_read(in, hand->raw, sizeof hand->raw);
-    take_finite(in, hand->wrist_raw, EASE_WRIST);
+    read_finite(in, hand->wrist_raw, EASE_WRIST);
     hand->has_wrist = bytes_read_u32(in) != 0;
-    take_window(in, &hand->window);
-    take_finite(in, hand->neutral_rad, MRT_ANGLES);
+    read_window(in, &hand->window);
+    read_finite(in, hand->neutral_rad, MRT_ANGLES);
     bytes_read(in, &hand->offset.start_ns, sizeof hand->offset.start_ns);
-    take_finite(in, hand->offset.from_rad, MRT_ANGLES);
-    take_finite(in, hand->offset.to_rad, MRT_ANGLES);
-    take_clock(in, &hand->eased.clock);
-    take_finite(in, hand->eased.last, MRT_ANGLES);
-    take_finite(in, hand->eased.from, MRT_ANGLES);
-    take_clock(in, &hand->eased_wrist.clock);
-    take_finite(in, hand->eased_wrist.last, EASE_WRIST);
-    take_finite(in, hand->eased_wrist.from, EASE_WRIST);
-    take_finite(in, hand->angle_rad, MRT_ANGLES);
+    read_finite(in, hand->offset.from_rad, MRT_ANGLES);
+    read_finite(in, hand->offset.to_rad, MRT_ANGLES);
+    read_clock(in, &hand->eased.clock);
+    read_finite(in, hand->eased.last, MRT_ANGLES);
+    read_finite(in, hand->eased.from, MRT_ANGLES);
+    read_clock(in, &hand->eased_wrist.clock);
+    read_finite(in, hand->eased_wrist.last, EASE_WRIST);
+    read_finite(in, hand->eased_wrist.from, EASE_WRIST);
+    read_finite(in, hand->angle_rad, MRT_ANGLES);
 }
 
 static bool has_landmarks(const hands *self)
@@ -554,9 +557,9 @@ size_t hands_save(const hands *self, void *bytes, size_t capacity)
     bytes_write_u32(&out, has_landmarks(self) ? STORE_WITH_LANDMARKS : STORE_VERSION);
     bytes_write_u32(&out, self->is_rezero_down);
     for (int side = 0; side < 2; ++side)
-        put_hand(&out, &self->hand[side]);
+        write_hand(&out, &self->hand[side]);
     for (int side = 0; side < 2 && has_landmarks(self); ++side)
-        put_landmarks(&out, &self->hand[side].landmarks);
+        write_landmarks(&out, &self->hand[side].landmarks);
     return out.size;
 }
 
@@ -568,16 +571,16 @@ bool hands_load(hands *self, const void *bytes, size_t size)
     in.failed |= version != STORE_VERSION && version != STORE_WITH_LANDMARKS;
     self->is_rezero_down = bytes_read_u32(&in) != 0;
     for (int side = 0; side < 2; ++side)
-        take_hand(&in, &self->hand[side]);
+        read_hand(&in, &self->hand[side]);
     for (int side = 0; side < 2 && version == STORE_WITH_LANDMARKS; ++side)
-        take_landmarks(&in, &self->hand[side].landmarks);
+        read_landmarks(&in, &self->hand[side].landmarks);
     if (!in.failed && in.at == in.end)
         return true;
     hands_reset(self);
     return false;
 }
 
-/* ---- another clock ---- */
+/* ---- shift to another clock ---- */
 
 static void shift(int64_t *time_ns, int64_t by_ns)
 {

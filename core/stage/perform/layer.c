@@ -7,12 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The target of HOME: no control vectors, and the bones that `leaving` drove at rest. */
+/* Returns the target of HOME: no control vectors, and the bones that `leaving` drove are at rest.
+ */
 static mrt_pull layer_home(const mrt_pull *leaving);
 
 static const uint32_t reset_waits_most = 100;
 
-static void let_bones_go(mrt_pull *pull)
+static void release_bones(mrt_pull *pull)
 {
     for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
         pull->dof[i] = NAN;
@@ -23,8 +24,8 @@ bool layer_is_answered(const layer *self)
     return self->answers && self->answers->is_given;
 }
 
-/* Saves the taught values of the mapping and loads them, so that they outlive the next reset.
- * False: no answer yet, because an isolated mapping is late. */
+/* Saves the taught values of the mapping and loads them again, so that they survive the next reset.
+ * Returns false if an isolated mapping has not answered yet. */
 static bool keep_taught(layer *self)
 {
     error ignored = {""};
@@ -188,16 +189,17 @@ static void enter(layer *self, crossfade_state to)
     case CROSSFADE_NONE:
         break;
     case CROSSFADE_WAITS:
-        if (from == CROSSFADE_HOME) { /* the new mapping begins at rest */
+        if (from == CROSSFADE_HOME) { /* the new mapping starts at rest */
             c->leaving = c->shown;
-            let_bones_go(&c->leaving);
-            let_bones_go(&self->pull);
+            release_bones(&c->leaving);
+            release_bones(&self->pull);
             self->good = c->leaving;
             self->functions->reset(self->mapping->self);
         }
         break;
-    case CROSSFADE_WAITS_OTHER: /* `pull` is in and out: the new mapping gets no bones of the old */
-        let_bones_go(&self->pull);
+    case CROSSFADE_WAITS_OTHER: /* `pull` is input and output: the new mapping must not get the
+                                   bones of the old one */
+        release_bones(&self->pull);
         break;
     case CROSSFADE_IN:
     case CROSSFADE_OVER:
@@ -209,7 +211,7 @@ static void enter(layer *self, crossfade_state to)
 
 void layer_crossfade(layer *self)
 {
-    if (is_waiting(&self->crossfade)) /* what was pulled before still leaves */
+    if (is_waiting(&self->crossfade)) /* the pull before that still fades out */
         return;
     self->crossfade.leaving = *layer_pull(self);
     enter(self, CROSSFADE_WAITS);
@@ -261,7 +263,7 @@ static bool drives_bones(const mrt_pull *pull)
     return false;
 }
 
-/* A bone that only the old mapping drove would stay as it left it. */
+/* Returns whether only the old mapping drives some bone. That bone would keep its last pose. */
 static bool leaves_bones(const layer *self, const mrt_pull *leaving, const mrt_pull *new)
 {
     for (uint32_t i = 0; i < self->about->dof_count; ++i)
@@ -270,8 +272,8 @@ static bool leaves_bones(const layer *self, const mrt_pull *leaving, const mrt_p
     return false;
 }
 
-/* A jaw that vectors moved and that the new mapping drives fades from where it was at the switch.
- */
+/* A bone that the old mapping moved only by vectors, and that the new mapping drives, fades from
+ * its pose at the switch. */
 static void leave_posed(crossfade *c, const mrt_pull *new)
 {
     for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
@@ -287,15 +289,15 @@ static mrt_pull layer_home(const mrt_pull *leaving)
     return out;
 }
 
-/* The new pull engages beside that of `leaving`. */
+/* Gives the new pull its own slot beside that of `leaving`. */
 static void change_side(crossfade *c)
 {
     c->side = 1 - c->side;
     c->anchor_shift = 0;
 }
 
-/* The first pull of the new mapping says how it comes. While it is idle the shape stays as it is.
- */
+/* Chooses the transition by the first pull of the new mapping. While that pull is idle, the shape
+ * is kept. */
 static void begin_fade(layer *self)
 {
     crossfade *c = &self->crossfade;
@@ -311,13 +313,13 @@ static void begin_fade(layer *self)
     }
     if (is_other)
         leave_posed(c, new);
-    bool kneads_on = c->leaving.mode == MRT_UNANCHORED && new->mode == MRT_UNANCHORED;
-    if (holds_elsewhere(&c->leaving, new)) { /* the skin stays in the shape; bones do not */
+    bool continues_drag = c->leaving.mode == MRT_UNANCHORED && new->mode == MRT_UNANCHORED;
+    if (holds_elsewhere(&c->leaving, new)) { /* the skin is baked into the shape; bones fade */
         c->leaving.count = 0;
         enter(self, drives_bones(&c->leaving) ? CROSSFADE_OVER : CROSSFADE_IN);
         if (new->anchor + c->anchor_shift == c->leaving.anchor)
             c->anchor_shift += 1;
-    } else if (kneads_on) {
+    } else if (continues_drag) {
         enter(self, CROSSFADE_IN);
     } else {
         change_side(c);
@@ -340,8 +342,8 @@ void layer_use_pull(layer *self)
 void layer_keep_good(layer *self)
 {
     self->pull = self->good;
-    if (is_waiting(&self->crossfade)) /* `good` is the old mapping's, or of before the reset */
-        let_bones_go(&self->pull);
+    if (is_waiting(&self->crossfade)) /* `good` is from the old mapping, or from before the reset */
+        release_bones(&self->pull);
 }
 
 static void advance_fade(layer *self)
@@ -354,7 +356,7 @@ static void advance_fade(layer *self)
         enter(self, c->state == CROSSFADE_HOME ? CROSSFADE_WAITS : CROSSFADE_NONE);
 }
 
-static void reset_if_asked(layer *self)
+static void reset_if_requested(layer *self)
 {
     if (!self->resets || layer_is_fading(self))
         return;
@@ -363,17 +365,17 @@ static void reset_if_asked(layer *self)
     self->resets = false;
     self->reset_waits = 0;
     layer_crossfade(self);
-    let_bones_go(&self->pull);
+    release_bones(&self->pull);
     self->functions->reset(self->mapping->self);
 }
 
 void layer_go_on(layer *self)
 {
     advance_fade(self);
-    reset_if_asked(self);
+    reset_if_requested(self);
 }
 
-/* ---- kept ---- */
+/* ---- save and load ---- */
 
 bool layer_set_pointer(layer *self, const void *bytes, size_t size)
 {
@@ -406,7 +408,8 @@ void layer_shift_time(layer *self, int64_t by_ns)
 enum { STORE_VERSION = 1, STORE_WITH_CUT = 2, STORE_WITH_POINTER = 3, STORE_WITH_INPUTS = 4 };
 enum { STORE_OTHER = 2, STORE_HOMING = 2 }; /* the stored words for waiting and fading, beyond 1 */
 
-/* Appends the size of a nested state and makes room for it. NULL: no room. */
+/* Appends the size of a nested state and reserves space for it. Returns NULL if the buffer is too
+ * small. */
 static void *add_nested(bytes_out *out, size_t size)
 {
     bytes_write_u32(out, (uint32_t)size);
@@ -417,7 +420,7 @@ static void *add_nested(bytes_out *out, size_t size)
 }
 
 /* save(of, bytes, capacity) returns the size of the state. */
-#define PUT_NESTED(out, save, of)                                                                  \
+#define WRITE_NESTED(out, save, of)                                                                \
     do {                                                                                           \
         size_t nested_size = save(of, NULL, 0);                                                    \
         void *nested_at = add_nested(out, nested_size);                                            \
@@ -430,13 +433,13 @@ static size_t save_mapping(const layer *self, void *bytes, size_t capacity)
     return layer_is_answered(self) ? 0 : self->resume->save(self->mapping->self, bytes, capacity);
 }
 
-static void take_pull(bytes_in *in, const layer *self, mrt_pull *out)
+static void read_pull(bytes_in *in, const layer *self, mrt_pull *out)
 {
     uint32_t kept = answers_read_pull(in, out);
     in->failed = in->failed || kept < out->count || guard_fault(&self->guard, out) != NULL;
 }
 
-static const unsigned char *take_sized(bytes_in *in, size_t *out_size)
+static const unsigned char *read_sized(bytes_in *in, size_t *out_size)
 {
     *out_size = bytes_read_u32(in);
     const unsigned char *at = in->at;
@@ -448,7 +451,7 @@ static const unsigned char *take_sized(bytes_in *in, size_t *out_size)
     return at;
 }
 
-static void put_crossfade(bytes_out *out, const crossfade *c)
+static void write_crossfade(bytes_out *out, const crossfade *c)
 {
     bytes_write_u32(out, c->state == CROSSFADE_WAITS_OTHER ? STORE_OTHER : is_waiting(c));
     bytes_write_u32(out, c->state == CROSSFADE_HOME ? STORE_HOMING : c->state >= CROSSFADE_IN);
@@ -461,7 +464,7 @@ static void put_crossfade(bytes_out *out, const crossfade *c)
         bytes_write(out, c->posed, sizeof c->posed);
 }
 
-/* The format has a word for waiting, one for fading and one for leaving. */
+/* Reads the state, which is stored as three words: waiting, fading and leaving. */
 static crossfade_state stored_state(bytes_in *in)
 {
     uint32_t waiting = bytes_read_u32(in), fading = bytes_read_u32(in);
@@ -475,14 +478,14 @@ static crossfade_state stored_state(bytes_in *in)
     return is_leaving ? CROSSFADE_OVER : CROSSFADE_IN;
 }
 
-static void take_crossfade(bytes_in *in, layer *self)
+static void read_crossfade(bytes_in *in, layer *self)
 {
     crossfade *c = &self->crossfade;
     c->state = stored_state(in);
     c->fade_s = bytes_read_f64(in);
     c->side = bytes_read_u32(in);
     c->anchor_shift = bytes_read_u32(in);
-    take_pull(in, self, &c->leaving);
+    read_pull(in, self, &c->leaving);
     bool is_other = c->state == CROSSFADE_WAITS_OTHER;
     if (is_other)
         bytes_read(in, c->posed, sizeof c->posed);
@@ -518,17 +521,17 @@ size_t layer_save(layer *self, void *bytes, size_t capacity)
     }
     answers_write_pull(&out, &self->good);
     answers_write_pull(&out, &self->pull);
-    put_crossfade(&out, &self->crossfade);
+    write_crossfade(&out, &self->crossfade);
     bytes_write_u32(&out, self->resets);
-    PUT_NESTED(&out, pointer_save, &self->pointer);
-    PUT_NESTED(&out, frame_inputs_save, &self->inputs);
-    PUT_NESTED(&out, patch_bay_save, &self->bay);
-    PUT_NESTED(&out, hands_save, self->hands);
-    PUT_NESTED(&out, save_mapping, self);
+    WRITE_NESTED(&out, pointer_save, &self->pointer);
+    WRITE_NESTED(&out, frame_inputs_save, &self->inputs);
+    WRITE_NESTED(&out, patch_bay_save, &self->bay);
+    WRITE_NESTED(&out, hands_save, self->hands);
+    WRITE_NESTED(&out, save_mapping, self);
     return out.size;
 }
 
-static void take_params(bytes_in *in, layer *self)
+static void read_params(bytes_in *in, layer *self)
 {
     const mrt_plugin_type *type = self->mapping->type;
     in->failed |= bytes_read_u32(in) != type->param_count;
@@ -545,7 +548,8 @@ static void use_stored_params(layer *self)
     const mrt_plugin_type *type = self->mapping->type;
     for (uint32_t i = 0; i < type->param_count; ++i) {
         double value = self->room->stored_params[i];
-        bool is_button = type->params[i].flags & MRT_PARAM_TRIGGER; /* it was let go since */
+        bool is_button =
+            type->params[i].flags & MRT_PARAM_TRIGGER; /* a button is released by then */
         self->room->last_params[i] = value;
         self->mapping->params[i] = value;
         atomic_store(&self->mapping->wanted[i], is_button ? type->params[i].initial : value);
@@ -568,7 +572,7 @@ static bool points_are_finite(const mrt_vec3 *point, size_t count)
     return true;
 }
 
-static void take_frame(bytes_in *in, mrt_frame *frame)
+static void read_frame(bytes_in *in, mrt_frame *frame)
 {
     bytes_read(in, frame->pedal, sizeof frame->pedal);
     in->failed |= !are_finite(frame->pedal, MRT_MAX_PEDALS);
@@ -585,22 +589,22 @@ static void take_frame(bytes_in *in, mrt_frame *frame)
     }
 }
 
-static void take_pointer(bytes_in *in, layer *self)
+static void read_pointer(bytes_in *in, layer *self)
 {
     size_t size = 0;
     self->resets = bytes_read_u32(in) != 0;
-    const unsigned char *bytes = take_sized(in, &size);
+    const unsigned char *bytes = read_sized(in, &size);
     in->failed |= !bytes || !pointer_load(&self->pointer, bytes, size) ||
                   guard_fault(&self->guard, &self->pointer.pull) ||
                   guard_fault(&self->guard, &self->pointer.places);
 }
 
-static void take_inputs_and_bay(bytes_in *in, layer *self)
+static void read_inputs_and_bay(bytes_in *in, layer *self)
 {
     size_t size = 0;
-    const unsigned char *bytes = take_sized(in, &size);
+    const unsigned char *bytes = read_sized(in, &size);
     in->failed |= !bytes || !frame_inputs_load(&self->inputs, bytes, size);
-    bytes = take_sized(in, &size);
+    bytes = read_sized(in, &size);
     in->failed |= !bytes || !patch_bay_load(&self->bay, bytes, size);
 }
 
@@ -611,24 +615,24 @@ static mrt_result load(layer *self, bytes_in *in, error *err)
                          self->mapping->type->id);
     uint32_t version = bytes_read_u32(in);
     in->failed |= version < STORE_VERSION || version > STORE_WITH_INPUTS;
-    take_params(in, self);
+    read_params(in, self);
     self->has_time = bytes_read_u32(in) != 0;
     bytes_read(in, &self->frame.time_ns, sizeof self->frame.time_ns);
-    take_frame(in, &self->frame);
-    take_pull(in, self, &self->good);
-    take_pull(in, self, &self->pull);
+    read_frame(in, &self->frame);
+    read_pull(in, self, &self->good);
+    read_pull(in, self, &self->pull);
     if (version >= STORE_WITH_CUT && !in->failed)
-        take_crossfade(in, self);
+        read_crossfade(in, self);
     if (version >= STORE_WITH_POINTER && !in->failed)
-        take_pointer(in, self);
+        read_pointer(in, self);
     if (version >= STORE_WITH_INPUTS && !in->failed)
-        take_inputs_and_bay(in, self);
+        read_inputs_and_bay(in, self);
     else if (self->bay.plan)
-        in->failed = true; /* it was performed without a patch */
+        in->failed = true; /* the state is from a version without patches */
     size_t size = 0;
-    const unsigned char *bytes = take_sized(in, &size);
+    const unsigned char *bytes = read_sized(in, &size);
     in->failed |= !bytes || !hands_load(self->hands, bytes, size);
-    bytes = take_sized(in, &size);
+    bytes = read_sized(in, &size);
     if (in->failed || in->at != in->end)
         return error_set(err, MRT_ERR_FORMAT, "the stored state of mapping %s is damaged",
                          self->mapping->type->id);

@@ -1,8 +1,8 @@
-/* stage/perform/layer.h - a mapping that performs: its hands, its patch, what it pulled last, and
- * the cross-fade to the mapping that replaces it. Leaves out the phases of a step (frame.c) and
- * what a pull does to the face (composer.h). A function of its samples and of when its parameters
- * change. The fields are for this room to read; the functions below change them. [frame] after
- * create; no allocation then. */
+/* stage/perform/layer.h - an active mapping with its hands, its patch, its last pull and the
+ * cross-fade to the mapping that replaces it. Does not cover the phases of a step (frame.c) or the
+ * effect of a pull on the face (composer.h). The result depends only on the samples and the times
+ * of parameter changes. This folder may read the fields; only the functions below change them.
+ * [frame] after create; no allocation then. */
 #ifndef MAROTTE_STAGE_LAYER_H
 #define MAROTTE_STAGE_LAYER_H
 #include "stage/mapping/answers.h"
@@ -13,11 +13,11 @@
 #include "stage/perform/patch_bay.h"
 #include "stage/perform/pointer.h"
 
-/* ---- cross-fade between mappings: no jump where another takes over ---- */
+/* ---- cross-fade between mappings, so that the face does not jump ---- */
 
 #define LAYER_FADE_S 0.25
 
-/* layer.c: enter() makes all transitions.
+/* All transitions are made by enter() in layer.c.
  *
  *   another version, a reset     first pull            after LAYER_FADE_S
  *   any ----> WAITS -------------> IN, OVER ---------------> NONE
@@ -25,22 +25,22 @@
  *             another mapping  `-> HOME -------------------> WAITS
  */
 typedef enum crossfade_state {
-    CROSSFADE_NONE = 0,    /* the mapping's own pull is all that is seen */
-    CROSSFADE_WAITS,       /* for the first pull of a newer build, or after a reset */
-    CROSSFADE_WAITS_OTHER, /* for the first pull of another mapping */
-    CROSSFADE_IN,          /* the new pull comes, nothing leaves: the shape stays as it is */
-    CROSSFADE_OVER,        /* the new pull comes while `leaving` leaves */
-    CROSSFADE_HOME         /* `leaving` eases to rest; the new mapping begins after that */
+    CROSSFADE_NONE = 0,    /* only the pull of the mapping is shown */
+    CROSSFADE_WAITS,       /* waits for the first pull of a newer build, or after a reset */
+    CROSSFADE_WAITS_OTHER, /* waits for the first pull of another mapping */
+    CROSSFADE_IN,          /* the new pull fades in, nothing fades out: the shape is kept */
+    CROSSFADE_OVER,        /* the new pull fades in while `leaving` fades out */
+    CROSSFADE_HOME         /* `leaving` eases to rest, then the new mapping begins */
 } crossfade_state;
 
 typedef struct crossfade {
     crossfade_state state;
     double fade_s;
-    uint32_t side;             /* of layer_pull; `leaving` has the other one */
+    uint32_t side;             /* slot of layer_pull, 0 or 1; `leaving` has the other one */
     uint32_t anchor_shift;     /* added to the mapping's anchors */
     float posed[MRT_MAX_DOFS]; /* WAITS_OTHER: the degrees of freedom at the switch */
     mrt_pull leaving;
-    mrt_pull shown; /* what layer_pull gives instead of `good`, in HOME or with an anchor_shift */
+    mrt_pull shown; /* result of layer_pull instead of `good`, in HOME or with an anchor_shift */
 } crossfade;
 
 typedef struct layer_settings {
@@ -53,40 +53,40 @@ typedef struct layer_settings {
 
 /* Memory that depends on the mapping. */
 typedef struct layer_room {
-    double *last_params;   /* of the sample before */
-    double *stored_params; /* while a state is loaded */
+    double *last_params;   /* of the previous sample */
+    double *stored_params; /* used while a state is loaded */
     double *patched_params;
-    unsigned char
-        *taught; /* TAUGHT_BYTES_MAX, while the mapping is reset; NULL: it learns nothing */
+    unsigned char *taught; /* TAUGHT_BYTES_MAX bytes, used while the mapping is reset; NULL: the
+                              mapping does not learn */
 } layer_room;
 
-/* Called in a step when a parameter has another value than in the step before. */
+/* Called in a step when a parameter has another value than in the previous step. */
 typedef void layer_on_param(void *data, int64_t time_ns, uint32_t param_id, double value);
 
 typedef struct layer {
     instance *mapping;
     const mrt_mapping *functions;
-    const mrt_resume *resume;         /* NULL: it has none */
-    const isolate_takeover *takeover; /* NULL: it runs here */
-    /* The mapping's answers are written down there, or given from there: then the mapping is not
-     * asked, and layer_save leaves out its state. NULL: neither. */
+    const mrt_resume *resume;         /* NULL: none */
+    const isolate_takeover *takeover; /* NULL: the mapping runs in this process */
+    /* Records the answers of the mapping, or replays them. In replay the mapping is not called, and
+     * layer_save skips its state. NULL: neither. */
     answers *answers;
     const mrt_face *about;
     guard guard;
     layer_settings settings;
     hands *hands;
     frame_inputs inputs;
-    patch_bay bay;        /* what its patch makes of the channels, over the mapping */
-    pointer pointer;      /* what the mouse on the face adds */
-    bool resets;          /* the mapping is to be reset as soon as its state is known */
-    uint32_t reset_waits; /* steps, for what it was taught */
+    patch_bay bay;        /* pulls and parameters from the patch, on top of the mapping */
+    pointer pointer;      /* pulls of the mouse on the face */
+    bool resets;          /* a reset of the mapping is pending until its state is known */
+    uint32_t reset_waits; /* steps that the reset has waited for the taught values */
     bool has_time;
     mrt_frame frame; /* hands, pedals and time of the last step */
-    mrt_pull pull;   /* what the mapping fills; it sees its own last values */
-    mrt_pull good;   /* the last that passed the guard */
+    mrt_pull pull;   /* output of the mapping, which finds its last values in it */
+    mrt_pull good;   /* last pull that passed the guard */
     crossfade crossfade;
     layer_room *room;
-    layer_on_param *on_param; /* NULL: nobody records */
+    layer_on_param *on_param; /* NULL: changes are not recorded */
     void *on_param_data;
 } layer;
 
@@ -95,62 +95,63 @@ CHECKED mrt_result layer_create(layer **out, instance *mapping, const mapped_fac
                                 const layer_settings *settings, error *err);
 void layer_destroy(layer *self); /* [main] deactivates the mapping; accepts NULL */
 
-void layer_reset(layer *self); /* as after create; parameters stay */
-/* [frame] The same, but the taught values of the mapping stay (MRT_STATE). */
+void layer_reset(layer *self); /* restores the state after create; parameters are kept */
+/* [frame] The same, but the taught values of the mapping are kept (MRT_STATE). */
 void layer_begin_anew(layer *self);
 
 /* ---- for frame.c ---- */
 
-/* Once a step, before the mapping: advances a cross-fade, and resets the mapping if the pointer
- * requested it. */
+/* Call once per step, before the mapping. Advances a cross-fade, and resets the mapping if the
+ * pointer requested it. */
 void layer_go_on(layer *self);
-/* `pull` passed the guard: it becomes the pull of the layer. */
+/* Makes `pull`, which passed the guard, the pull of the layer. */
 void layer_use_pull(layer *self);
-/* Drops `pull`: the mapping sees the last good pull on its next call. */
+/* Drops `pull`. The mapping gets the last good pull at its next call. */
 void layer_keep_good(layer *self);
-/* Returns whether stored answers replace the mapping. */
+/* Returns whether recorded answers replace the mapping. */
 bool layer_is_answered(const layer *self);
 
-/* ---- what is seen ---- */
+/* ---- pulls ---- */
 
-/* The pull after the guard. Idle before the first. */
+/* Returns the pull after the guard; idle before the first one. */
 const mrt_pull *layer_pull(const layer *self);
-/* The weight of layer_pull, 0..1, below 1 while it fades in; and the pull that fades out, with the
- * rest of 1. NULL: none. */
+/* layer_weight returns the weight of layer_pull, 0..1, below 1 while it fades in. layer_leaving
+ * returns the pull that fades out, which has the weight 1 - layer_weight. NULL: none. */
 double layer_weight(const layer *self);
 const mrt_pull *layer_leaving(const layer *self);
-/* Restores the bytes of pointer_save with the current time. False: nothing has changed. */
+/* Restores the bytes of pointer_save, but keeps the current time. Returns false on error; then
+ * nothing has changed. */
 bool layer_set_pointer(layer *self, const void *bytes, size_t size);
 
-/* ---- another mapping ---- */
+/* ---- replace the mapping ---- */
 
-/* Between two steps, not while layer_is_fading: the next pulls of the mapping have no relation to
- * the last one. The last pull fades out while the new one fades in, over LAYER_FADE_S of sample
- * time. An anchored pull with free points elsewhere stays in the shape instead, as when a mapping
- * takes hold anew. */
+/* Call between two steps, not while layer_is_fading, if the next pulls of the mapping are unrelated
+ * to the last one. The last pull fades out while the new one fades in, over LAYER_FADE_S of sample
+ * time. An anchored pull with other free points is baked into the shape instead, as when a mapping
+ * re-anchors. */
 void layer_crossfade(layer *self);
 layer_room *layer_room_create(const instance *mapping); /* [main] NULL: no memory */
-void layer_room_destroy(layer_room *room);              /* [main] NULL is fine */
-/* [frame] The same for another instance. It must be active on the same face, reset, and have the
- * state of the old one; `*room` must be made for it. Afterwards `*room` is the room of the old one.
- * Returns the old instance, which is still active. */
+void layer_room_destroy(layer_room *room);              /* [main] accepts NULL */
+/* [frame] The same for another instance. The instance must be active on the same face, reset, and
+ * have the state of the old one. `*room` must be created for it; afterwards `*room` is the room of
+ * the old one. Returns the old instance, which is still active. */
 instance *layer_switch(layer *self, instance *mapping, layer_room **room);
 /* [frame] The same for another mapping without the state of the old one. posed: the current degrees
  * of freedom of the bones. If the new mapping does not drive a bone that the old one drove, the
  * face eases to rest first. */
 instance *layer_replace(layer *self, instance *mapping, layer_room **room, const float *posed);
-/* True from the first pull of the new mapping until the end of the cross-fade. */
+/* Returns true from the first pull of the new mapping until the end of the cross-fade. */
 bool layer_is_fading(const layer *self);
 
-/* ---- kept ---- */
+/* ---- save and load ---- */
 
 /* Serializes everything that later pulls depend on, parameters included. Writes at most `capacity`
  * bytes; bytes may be NULL. Returns the size of the state. 0: the mapping has no state (no
  * MRT_RESUME, or its save returns 0). */
 size_t layer_save(layer *self, void *bytes, size_t capacity);
-/* [main] On error the layer is as after create. */
+/* [main] On error the layer is reset to its state after create. */
 CHECKED mrt_result layer_load(layer *self, const void *bytes, size_t size, error *err);
-/* Moves all times of the layer: for a state that was stored by another clock. */
+/* Shifts all times of the layer, for a state that was saved with another clock. */
 void layer_shift_time(layer *self, int64_t by_ns);
 
 #endif

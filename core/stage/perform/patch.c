@@ -11,7 +11,7 @@ const char *const patch_kind_names[PATCH_KINDS] = {"",     "param",  "dof",  "co
 const char *const patch_action_names[PATCH_ACTIONS] = {"record", "stop", "mark"};
 
 static const double smooth_max_s = 10.0, number_max = 1e6;
-/* Nearer than this share of its range to where the target is, a connection has picked it up. */
+/* A connection picks its target up within this distance, as a share of its range. */
 static const double near_share = 0.02;
 static const double down_share = 0.5, up_share = 0.4;
 
@@ -23,7 +23,7 @@ patch_connection patch_connection_of(patch_kind kind)
                               .out = {NAN, NAN}};
 }
 
-/* ---- checked ---- */
+/* ---- validation ---- */
 
 static bool is_between(double value, double low, double high)
 {
@@ -59,11 +59,11 @@ static const char *fault_of(const patch_connection *c)
     if (!c->channel[0])
         return "from.channel: is missing";
     if (c->kind <= PATCH_NOTHING || c->kind >= PATCH_KINDS || !c->target[0])
-        return "to: names no param, dof, contact, pose, shape or action";
+        return "to: has no param, dof, contact, pose, shape or action";
     if (c->kind == PATCH_ACTION && !is_action(c->target))
         return "to.action: is not record, stop or mark";
     if (c->kind == PATCH_CONTACT && !is_unit(c->way))
-        return "to.way: is no direction";
+        return "to.way: is not a unit vector";
     if (!is_span(c->in, true))
         return "in: is not two ascending numbers within 1e6";
     if (!is_span(c->out, false))
@@ -80,7 +80,7 @@ static const char *fault_of(const patch_connection *c)
 mrt_result patch_check(const patch *p, error *err)
 {
     if (p->count > PATCH_CONNECTIONS_MAX)
-        return error_set(err, MRT_ERR_FORMAT, "$.connections: %u, at most %d are possible",
+        return error_set(err, MRT_ERR_FORMAT, "$.connections: has %u items; at most %d are allowed",
                          p->count, PATCH_CONNECTIONS_MAX);
     for (uint32_t i = 0; i < p->count; ++i) {
         const char *fault = fault_of(&p->connection[i]);
@@ -125,16 +125,16 @@ void patch_connection_describe(const patch_connection *c, char *out, size_t capa
                    c->target[0] ? c->target : "?");
 }
 
-/* ---- a connection's course ---- */
+/* ---- the value of a connection over time ---- */
 
-/* Schlick's bias: 0 is straight; b is where the middle goes. */
+/* Schlick's bias. bend 0 is straight; b is the output at 0.5. */
 static double bent(double share, double bend)
 {
     double b = 0.5 - 0.45 * bend;
     return share / ((1.0 / b - 2.0) * (1.0 - share) + 1.0);
 }
 
-/* Schlick's gain: a bias for each half. */
+/* Schlick's gain: one bias for each half. */
 static double eased(double share, double ease)
 {
     return share < 0.5 ? 0.5 * bent(2.0 * share, ease) : 1.0 - 0.5 * bent(2.0 - 2.0 * share, ease);
@@ -146,7 +146,7 @@ double patch_curve(double share, double bend, double ease)
     return eased(bent(at, bend), ease);
 }
 
-/* -1..1 where the range has 0 inside, else 0..1. */
+/* Returns -1..1 if 0 is inside the range, else 0..1. */
 static double share_of(const double in[2], double raw, bool *out_has_middle)
 {
     *out_has_middle = in[0] < 0.0 && in[1] > 0.0;
@@ -179,7 +179,7 @@ double patch_wanted(const patch_connection *c, const mrt_channel *channel, doubl
     return rest + curved * ((share < 0.0 ? low : high) - rest);
 }
 
-static bool comes_by(double before, double now, double at, double span)
+static bool passes(double before, double now, double at, double span)
 {
     return fabs(now - at) <= near_share * span || (before < at) != (now < at);
 }
@@ -188,12 +188,12 @@ bool patch_course_step(patch_course *course, const patch_connection *c, double w
                        const patch_range *of, double dt_s)
 {
     double before = course->is_heard ? course->wanted : wanted;
-    /* A slider that was moved by hand meanwhile is where the target is now. */
+    /* If the user moved the slider meanwhile, the target has a new value to pick up. */
     bool is_moved = course->is_heard && c->kind == PATCH_PARAM && !is_same(under, course->under);
     if (c->picks_up && is_moved)
         course->is_caught = false;
     if (!course->is_caught) {
-        course->is_caught = !c->picks_up || comes_by(before, wanted, under, of->high - of->low);
+        course->is_caught = !c->picks_up || passes(before, wanted, under, of->high - of->low);
         course->value = wanted;
     }
     course->is_heard = true;
@@ -214,7 +214,7 @@ bool patch_course_press(patch_course *course, double share)
     return was_heard && course->was_down && !was_down;
 }
 
-/* ---- what is heard ---- */
+/* ---- inputs ---- */
 
 bool patch_is_input(const char *wanted, const char *name)
 {
@@ -223,8 +223,8 @@ bool patch_is_input(const char *wanted, const char *name)
            (strncmp(wanted, name, length) == 0 && (name[length] == '\0' || name[length] == ' '));
 }
 
-static bool listen_to_pedal(const char *name, const mrt_frame *frame, mrt_channel *out_channel,
-                            double *out_raw)
+static bool read_pedal(const char *name, const mrt_frame *frame, mrt_channel *out_channel,
+                       double *out_raw)
 {
     if (strncmp(name, "pedal.", 6) != 0 || name[6] < '1' || name[6] > '0' + MRT_MAX_PEDALS ||
         name[7] != '\0')
@@ -234,8 +234,8 @@ static bool listen_to_pedal(const char *name, const mrt_frame *frame, mrt_channe
     return true;
 }
 
-static bool listen_to_performer(const char *name, const mrt_frame *frame, mrt_channel *out_channel,
-                                double *out_raw)
+static bool read_performer(const char *name, const mrt_frame *frame, mrt_channel *out_channel,
+                           double *out_raw)
 {
     uint32_t side = MRT_NO_HAND;
     if (strncmp(name, "left.", 5) == 0)
@@ -243,7 +243,7 @@ static bool listen_to_performer(const char *name, const mrt_frame *frame, mrt_ch
     else if (strncmp(name, "right.", 6) == 0)
         side = MRT_RIGHT;
     else
-        return listen_to_pedal(name, frame, out_channel, out_raw);
+        return read_pedal(name, frame, out_channel, out_raw);
     int sensor = sensor_find(name + (side == MRT_LEFT ? 5 : 6));
     if (sensor < 0 || !frame->hand[side].present)
         return false;
@@ -262,7 +262,7 @@ bool patch_listen(const patch_connection *c, const mrt_frame *frame, mrt_channel
                   double *out_raw)
 {
     if (strcmp(c->input, PATCH_PERFORMER) == 0)
-        return listen_to_performer(c->channel, frame, out_channel, out_raw);
+        return read_performer(c->channel, frame, out_channel, out_raw);
     for (uint32_t i = 0; i < frame->input_count; ++i) {
         const mrt_channels *in = &frame->inputs[i];
         for (uint32_t k = 0; patch_is_input(c->input, in->name) && k < in->count; ++k) {

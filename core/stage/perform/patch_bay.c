@@ -13,27 +13,28 @@ enum { NOTE = 2048, MOVES_MAX = 4096 };
 
 typedef enum move_kind { MOVE_CONTACT, MOVE_DOF, MOVE_SHAPE } move_kind;
 
-/* What a connection does to one contact, degree of freedom or shape, of each unit of its value. */
+/* Effect of a connection on one contact, degree of freedom or shape, per unit of its value. */
 typedef struct patch_move {
     uint32_t connection;
     move_kind kind;
     uint32_t index;
-    bool is_follow; /* of a pose, of a contact that it does not name: added whatever else is */
-    float way[3];   /* mm; else only the first, of a degree of freedom rad or mm */
+    bool is_follow; /* at a contact that the pose does not name: always added, whatever the mode */
+    float way[3];   /* mm for a contact; otherwise only way[0]: rad or mm for a degree of freedom */
 } patch_move;
 
 struct patch_plan {
     patch of;
     patch_range range[PATCH_CONNECTIONS_MAX];
-    patch_move *move;                    /* by connection */
-    uint32_t move_count, shape_count;    /* of the face, if a connection moves one; else 0 */
-    bool is_pose[PATCH_CONNECTIONS_MAX]; /* of the rig: it holds all contacts */
-    uint32_t sum;                        /* of the patch: whose state it is */
+    patch_move *move; /* ordered by connection */
+    uint32_t move_count,
+        shape_count; /* shape_count: shapes of the face, 0 if no connection moves one */
+    bool is_pose[PATCH_CONNECTIONS_MAX]; /* moves a pose of the rig, so it holds all contacts */
+    uint32_t sum;                        /* hash of the patch, which identifies its state */
     const mrt_face *about;
     char note[NOTE];
 };
 
-/* ---- on a face ---- */
+/* ---- a patch prepared for a face ---- */
 
 static void note(patch_plan *self, uint32_t connection, const char *format, ...)
 {
@@ -59,7 +60,8 @@ static mrt_result add_move(patch_plan *self, uint32_t connection, move_kind kind
     return MRT_OK;
 }
 
-/* '*' stands once for "l" (1) or "r" (-1); without one the side is 0. */
+/* Returns whether a name matches. One '*' in the pattern matches "l" (side 1) or "r" (side -1).
+ * Without '*' the side is 0. */
 static bool is_named(const char *pattern, const char *name, int *out_side)
 {
     const char *star = strchr(pattern, '*');
@@ -90,7 +92,8 @@ static void plan_dof(patch_plan *self, uint32_t i, const mrt_face *about)
         note(self, i, "the face has no degree of freedom \"%s\"", c->target);
 }
 
-/* A usual head is 240 mm high: the same patch on a giant's. */
+/* Returns the scale from a head of 240 mm height to this one, so that patches fit heads of any
+ * size. */
 static double scale_of(const mrt_face *about)
 {
     double height = (double)about->high.y - (double)about->low.y;
@@ -137,7 +140,7 @@ static void add_dofs(patch_plan *self, uint32_t i, const float *dof, double part
     }
 }
 
-/* False: the head has none of that name. */
+/* Returns false if the head has no shape of that name. */
 static bool plan_shape(patch_plan *self, uint32_t i, const mrt_face *about, const face *own)
 {
     const char *target = self->of.connection[i].target;
@@ -174,7 +177,7 @@ static void plan_pose(patch_plan *self, uint32_t i, const mrt_face *about, const
         }
     if (!pose)
         note(self, i, "the %s \"%s\"",
-             c->kind == PATCH_POSE ? "rig has no pose" : "head has no shape, the rig no pose",
+             c->kind == PATCH_POSE ? "rig has no pose" : "head has no shape and the rig no pose",
              c->target);
 }
 
@@ -197,7 +200,7 @@ static uint32_t sum_of(const patch *p)
         sum = add_to_sum(sum, c->target, strlen(c->target) + 1);
         sum = add_to_sum(sum, c->way, sizeof c->way);
         for (int k = 0; k < 2; ++k) {
-            const double in = isnan(c->in[k]) ? 0.0 : c->in[k]; /* NaNs have many bits */
+            const double in = isnan(c->in[k]) ? 0.0 : c->in[k]; /* NaN has many bit patterns */
             const double out = isnan(c->out[k]) ? 0.0 : c->out[k];
             sum = add_to_sum(sum, &in, sizeof in);
             sum = add_to_sum(sum, &out, sizeof out);
@@ -257,7 +260,7 @@ const char *patch_plan_note(const patch_plan *self)
     return self->note;
 }
 
-/* ---- the bay ---- */
+/* ---- the active patch ---- */
 
 static void forget_pull(mrt_pull *pull, float *shapes)
 {
@@ -307,7 +310,7 @@ static void begin_fade(patch_bay *self)
     self->fade_s = 0.0;
 }
 
-/* Copies the state of connections that the old plan has, too. */
+/* Keeps the state of connections that the old plan also has. */
 static void carry_courses_over(patch_bay *self, const patch_plan *plan)
 {
     patch_course kept[PATCH_CONNECTIONS_MAX];
@@ -340,7 +343,7 @@ bool patch_bay_set(patch_bay *self, patch_plan *plan, patch_plan **out_old)
 
 /* ---- parameters ---- */
 
-/* UINT32_MAX: it has none such. */
+/* Returns UINT32_MAX if there is no such parameter. */
 static uint32_t find_param(const mrt_plugin_type *mapping, const char *name)
 {
     for (uint32_t k = 0; k < mapping->param_count; ++k) {
@@ -440,8 +443,8 @@ static void press(patch_bay *self, uint32_t i, const mrt_channel *channel, doubl
             self->pressed[action] += 1;
 }
 
-static void listen(patch_bay *self, uint32_t i, const mrt_frame *frame, const double *own,
-                   const mrt_pull *below)
+static void update_connection(patch_bay *self, uint32_t i, const mrt_frame *frame,
+                              const double *own, const mrt_pull *below)
 {
     const patch_connection *c = &self->plan->of.connection[i];
     mrt_channel channel;
@@ -449,7 +452,7 @@ static void listen(patch_bay *self, uint32_t i, const mrt_frame *frame, const do
     self->presses[i] = false;
     if (c->is_muted || (c->kind == PATCH_PARAM && self->param[i] == UINT32_MAX) ||
         !patch_listen(c, frame, &channel, &raw))
-        return; /* what it said last stays */
+        return; /* the last value is kept */
     if (is_trigger(self, i)) {
         press(self, i, &channel, raw);
         return;
@@ -466,7 +469,7 @@ static bool is_pulling(const patch_bay *self, uint32_t i)
     return self->may_speak[i] && kind != PATCH_PARAM && kind != PATCH_ACTION;
 }
 
-/* Another set of connections is active: starts a fade, unless one is running. */
+/* Starts a fade if the set of active connections changed, unless a fade is running. */
 static void fade_on_change(patch_bay *self)
 {
     bool is_other = false;
@@ -509,9 +512,9 @@ static void add_to_pull(mrt_pull *pull, float *shapes, const mrt_face *about,
     v->end.z += (float)(value * (double)move->way[2]);
 }
 
-/* A pose is the same face whatever else is pulled: contacts that it leaves at rest are held, but
- * what others pull of them stays. So are degrees of freedom, where no other pulls would pose them.
- */
+/* Makes a pose look the same beside any other pull. Contacts that the pose leaves at rest are held,
+ * but the pulls of others still move them. is_alone: the mapping pulls no vectors, so degrees of
+ * freedom without a value are held at rest too. */
 static void hold_still(mrt_pull *pull, const mrt_face *about, bool is_alone)
 {
     pull->mode = MRT_ANCHORED;
@@ -544,7 +547,7 @@ static void pull(patch_bay *self, const mrt_pull *below)
         hold_still(&self->pull[PATCH_ADDED], plan->about,
                    is_posed && (below->mode == MRT_IDLE || below->count == 0));
     for (int k = 0; k < PATCH_PULLS; ++k)
-        if (guard_fault(&self->guard, &self->pull[k])) /* further than any face reaches */
+        if (guard_fault(&self->guard, &self->pull[k])) /* invalid, for example out of reach */
             forget_pull(&self->pull[k], self->shape[k]);
 }
 
@@ -562,7 +565,7 @@ void patch_bay_step(patch_bay *self, const mrt_frame *frame, const mrt_plugin_ty
     if (self->mapping != mapping)
         find_params(self, mapping);
     for (uint32_t i = 0; i < self->plan->of.count; ++i)
-        listen(self, i, frame, own, below);
+        update_connection(self, i, frame, own, below);
     fade_on_change(self);
     pull(self, below);
 }
@@ -582,19 +585,19 @@ bool patch_bay_is_settled(const patch_bay *self)
     return is_settled;
 }
 
-/* ---- kept ---- */
+/* ---- save and load ---- */
 
 enum { STORE_VERSION = 1 };
 enum { IS_HEARD = 1, IS_CAUGHT = 2, WAS_DOWN = 4, MAY_SPEAK = 8, SPEAKS = 16, FLAGS = 32 };
 
-static void put_pull(bytes_out *out, const mrt_pull *p)
+static void write_pull(bytes_out *out, const mrt_pull *p)
 {
     bytes_write(out, p, offsetof(mrt_pull, vector));
     bytes_write(out, p->vector, p->count * sizeof *p->vector);
     bytes_write(out, p->dof, sizeof p->dof);
 }
 
-static void take_pull(bytes_in *in, const guard *of, mrt_pull *out)
+static void read_pull(bytes_in *in, const guard *of, mrt_pull *out)
 {
     *out = guard_idle();
     bytes_read(in, out, offsetof(mrt_pull, vector));
@@ -629,10 +632,10 @@ size_t patch_bay_save(const patch_bay *self, void *bytes, size_t capacity)
     bytes_write_u32(&out, self->side);
     bytes_write_f64(&out, self->fade_s);
     for (int k = 0; k < PATCH_PULLS; ++k) {
-        put_pull(&out, &self->pull[k]);
-        put_pull(&out, &self->leaving[k]);
+        write_pull(&out, &self->pull[k]);
+        write_pull(&out, &self->leaving[k]);
     }
-    if (self->shape_count > 0) /* bytes of patches without shapes end here */
+    if (self->shape_count > 0) /* the state of patches without shapes ends here */
         bytes_write_u32(&out, self->shape_count);
     for (int k = 0; k < PATCH_PULLS; ++k) {
         bytes_write(&out, self->shape[k], self->shape_count * sizeof(float));
@@ -641,7 +644,7 @@ size_t patch_bay_save(const patch_bay *self, void *bytes, size_t capacity)
     return out.size;
 }
 
-static void take_course(bytes_in *in, patch_bay *self, uint32_t i)
+static void read_course(bytes_in *in, patch_bay *self, uint32_t i)
 {
     patch_course *c = &self->course[i];
     uint32_t flags = bytes_read_u32(in);
@@ -656,7 +659,7 @@ static void take_course(bytes_in *in, patch_bay *self, uint32_t i)
     c->under = bytes_read_f64(in);
 }
 
-static void take_shapes(bytes_in *in, patch_bay *self)
+static void read_shapes(bytes_in *in, patch_bay *self)
 {
     uint32_t count = bytes_read_u32(in);
     in->failed |= count == 0 || count > FACE_SHAPES_MAX;
@@ -678,17 +681,17 @@ bool patch_bay_load(patch_bay *self, const void *bytes, size_t size)
     in.failed |= bytes_read_u32(&in) != (self->plan ? self->plan->sum : 0);
     in.failed |= bytes_read_u32(&in) != count;
     for (uint32_t i = 0; i < count && !in.failed; ++i)
-        take_course(&in, self, i);
+        read_course(&in, self, i);
     self->is_fading = bytes_read_u32(&in) != 0;
     self->side = bytes_read_u32(&in);
     self->fade_s = bytes_read_f64(&in);
     in.failed |= self->side > 1 || !(self->fade_s >= 0.0);
     for (int k = 0; k < PATCH_PULLS && !in.failed; ++k) {
-        take_pull(&in, &self->guard, &self->pull[k]);
-        take_pull(&in, &self->guard, &self->leaving[k]);
+        read_pull(&in, &self->guard, &self->pull[k]);
+        read_pull(&in, &self->guard, &self->leaving[k]);
     }
     if (!in.failed && in.at != in.end)
-        take_shapes(&in, self);
+        read_shapes(&in, self);
     if (!in.failed && in.at == in.end)
         return true;
     patch_bay_reset(self);

@@ -9,21 +9,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- read ---- */
+/* ---- reading ---- */
 
 static const double number_cap = 1e300; /* finite */
 
-/* An object that has none but these keys. */
+/* Checks that an object has only these keys. */
 static mrt_result check_keys(const json_node *object, const char *const *keys, error *err)
 {
     void *at = NULL;
     const char *key = json_node_unknown(object, keys, &at);
-    return key ? error_set(err, MRT_ERR_FORMAT, "%s: \"%s\" is not known here", object->path.text,
+    return key ? error_set(err, MRT_ERR_FORMAT, "%s: unknown key \"%s\"", object->path.text,
                            json_shown(key).text)
                : MRT_OK;
 }
 
-/* What is left out leaves *out as it is. */
+/* Reads an optional text. A missing key does not change *out. */
 static mrt_result read_text(const json_node *object, const char *key, char out[PATCH_NAME],
                             error *err)
 {
@@ -72,7 +72,7 @@ static mrt_result read_from(patch_connection *out, const json_node *item, error 
     return result < 0 ? result : read_text(&from, "channel", out->channel, err);
 }
 
-/* A direction of any length. */
+/* Reads a direction of any length and normalises it. */
 static mrt_result read_way(patch_connection *out, const json_node *to, error *err)
 {
     double way[3] = {0.0, 1.0, 0.0};
@@ -81,7 +81,7 @@ static mrt_result read_way(patch_connection *out, const json_node *to, error *er
     double length = sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
     if (result >= 0 && !(length > 1e-6 && length < 1e6))
         return json_node_unexpected(err, &at, "a direction");
-    double unit = fabs(length - 1.0) < 1e-6 ? 1.0 : 1.0 / length; /* one that was written stays */
+    double unit = fabs(length - 1.0) < 1e-6 ? 1.0 : 1.0 / length; /* a unit vector keeps its bits */
     for (int axis = 0; axis < 3 && result >= 0; ++axis)
         out->way[axis] = (float)(way[axis] * unit);
     return result;
@@ -130,7 +130,7 @@ static mrt_result read_connection(patch_connection *out, const json_node *item, 
     if (result >= 0)
         result = check_keys(item, keys, err);
     if (result >= 0)
-        result = read_to(out, item, err); /* first: it sets the usual values */
+        result = read_to(out, item, err); /* first: it sets the default values */
     if (result >= 0)
         result = read_from(out, item, err);
     if (result >= 0)
@@ -189,7 +189,7 @@ mrt_result patch_file_parse(patch *out, const char *text, size_t size, const cha
     json_t *value;
     *out = (patch){.name = ""};
     if (size > PATCH_FILE_BYTES_MAX)
-        return error_set(err, MRT_ERR_FORMAT, "%s: is larger than a patch can be", name);
+        return error_set(err, MRT_ERR_FORMAT, "%s: the file is too large for a patch", name);
     mrt_result result = json_parse(&value, text, size, err);
     if (result >= 0) {
         json_node root = json_node_root(value, NULL);
@@ -228,7 +228,7 @@ mrt_result patch_file_find(patch *out, const char *given, error *err)
     return result;
 }
 
-/* ---- written ---- */
+/* ---- writing ---- */
 
 static json_t *numbers(const double *value, size_t count)
 {
@@ -280,7 +280,7 @@ static bool reads_equal(const char *text, const patch *p)
     return is_equal;
 }
 
-/* Digits that people can read, where they say the same. */
+/* Writes 7 digits, which are easy to read, or 17 if 7 do not give an equal patch. */
 mrt_result patch_file_write(char **out, const patch *p, error *err)
 {
     json_t *root = json_object(), *list = json_array();

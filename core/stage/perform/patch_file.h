@@ -1,19 +1,20 @@
-/* stage/perform/patch_file.h - a patch as JSON, to be written by hand: ui/patches/README.md says
- * what each key means. Read strictly: an unknown key, a key twice, a number out of its range are
- * refused, with their place. Pure but for patch_file_read; [main]. */
+/* stage/perform/patch_file.h - a patch as a JSON file that users can write by hand.
+ * ui/patches/README.md explains each key. The parser is strict: it rejects unknown keys, duplicate
+ * keys and numbers out of range, and reports the place. [main] Only patch_file_read and
+ * patch_file_find access files. */
 #ifndef MAROTTE_STAGE_PATCH_FILE_H
 #define MAROTTE_STAGE_PATCH_FILE_H
 #include "stage/perform/patch.h"
 
 enum { PATCH_FILE_BYTES_MAX = 256 * 1024 };
 
-/* name: for messages: "faders.json". */
+/* name: used in messages, such as "faders.json". */
 CHECKED mrt_result patch_file_parse(patch *out, const char *text, size_t size, const char *name,
                                     error *err);
 CHECKED mrt_result patch_file_read(patch *out, const char *path, error *err);
-/* A file, or the name of a patch that comes with marotte. */
+/* Reads a file, or a patch that comes with marotte, by its name. */
 CHECKED mrt_result patch_file_find(patch *out, const char *given, error *err);
-/* What patch_file_parse reads as an equal patch; to be freed. */
+/* Writes text that patch_file_parse reads as an equal patch. The caller frees it. */
 CHECKED mrt_result patch_file_write(char **out, const patch *p, error *err);
 
 #endif

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* ---- made and unmade ---- */
+/* ---- create and destroy ---- */
 
 mrt_result performer_make_layer(const performer *self, instance *mapping,
                                 const performer_settings *as, layer **out, error *err)
@@ -21,7 +21,8 @@ mrt_result performer_make_layer(const performer *self, instance *mapping,
     result = performer_make_patch(self, as->patch, &plan, err);
     if (result >= 0) {
         patch_plan_check_params(plan, mapping->type);
-        (void)patch_bay_set(&(*out)->bay, plan, &none); /* nothing comes in a layer that is new */
+        (void)patch_bay_set(&(*out)->bay, plan,
+                            &none); /* cannot fail: nothing fades in a new layer */
     } else {
         layer_destroy(*out);
     }
@@ -70,8 +71,8 @@ void performer_destroy(performer *self)
 /* Smooths the ends of the vectors and the degrees of freedom of a pull. */
 static const mrt_pull *smoothed(performer_voice *v, const mrt_pull *pull, int64_t now_ns)
 {
-    bool goes_on = v->has_smooth && v->smooth.count == pull->count &&
-                   v->smooth.anchor == pull->anchor && v->smooth.mode == pull->mode;
+    bool is_continued = v->has_smooth && v->smooth.count == pull->count &&
+                        v->smooth.anchor == pull->anchor && v->smooth.mode == pull->mode;
     if (!(v->smooth_s > 0.0) || pull->mode != MRT_ANCHORED)
         return pull;
     double dt_s = (double)(now_ns - v->smooth_ns) * 1e-9;
@@ -80,14 +81,14 @@ static const mrt_pull *smoothed(performer_voice *v, const mrt_pull *pull, int64_
     v->smooth = *pull;
     v->smooth_ns = now_ns;
     v->has_smooth = true;
-    for (uint32_t i = 0; goes_on && i < pull->count; ++i) {
+    for (uint32_t i = 0; is_continued && i < pull->count; ++i) {
         mrt_vec3 *to = &v->smooth.vector[i].end;
         const mrt_vec3 *from = &before.vector[i].end;
         to->x = (float)((double)from->x + share * ((double)to->x - (double)from->x));
         to->y = (float)((double)from->y + share * ((double)to->y - (double)from->y));
         to->z = (float)((double)from->z + share * ((double)to->z - (double)from->z));
     }
-    for (uint32_t i = 0; goes_on && i < MRT_MAX_DOFS; ++i)
+    for (uint32_t i = 0; is_continued && i < MRT_MAX_DOFS; ++i)
         if (!isnan(before.dof[i]) && !isnan(pull->dof[i]))
             v->smooth.dof[i] = (float)((double)before.dof[i] +
                                        share * ((double)pull->dof[i] - (double)before.dof[i]));
@@ -97,7 +98,7 @@ static const mrt_pull *smoothed(performer_voice *v, const mrt_pull *pull, int64_
 /* The layers of a lane, bottom first. */
 enum { LANE_MAPPING = 0, LANE_INSTEAD, LANE_ADDED, LANE_POINTER, LANE_LAYERS };
 
-/* The pointer's part lies over the mapping and adds to it. */
+/* Returns a part of the pointer. It is above the mapping and adds to it. */
 static composer_part pointer_part(const composer_part *as, uint32_t bank, const mrt_pull *pull)
 {
     composer_part out = *as;
@@ -149,8 +150,8 @@ static uint32_t pointer_parts(const layer *of, const composer_part *as, composer
     return part_count;
 }
 
-/* The parts of a voice: its mapping's pull, the one that fades out, the patch's, and the pointer's,
- * of contacts and of other points of the skin. */
+/* Lists the parts of a voice: the pulls of its mapping (current and fading out), its patch and its
+ * pointer. The pointer has separate parts for contacts and for other points of the skin. */
 static uint32_t parts_of(performer *self, uint32_t index, bool is_fresh, int64_t now_ns,
                          composer_part out[PERFORMER_PARTS_MAX])
 {
@@ -210,7 +211,7 @@ void performer_compose(performer *self, uint32_t fresh, int64_t now_ns, performe
         out->count += parts_of(self, seen[i], seen[i] == fresh, now_ns, out->part + out->count);
 }
 
-/* ---- kept ---- */
+/* ---- save and load ---- */
 
 size_t performer_save(performer *self, void *bytes, size_t capacity)
 {
@@ -266,6 +267,7 @@ mrt_result performer_load_pulled(performer *self, const void *bytes, size_t size
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
     const size_t held = bytes_read_u32(&in), left = (size_t)(in.end - in.at);
     if (in.failed || held > left || !layer_set_pointer(self->voice[0].layer, in.at, held))
-        return error_set(err, MRT_ERR_FORMAT, "what was pulled is not of this face");
+        return error_set(err, MRT_ERR_FORMAT,
+                         "the stored pointer pulls do not belong to this face");
     return composer_load(self->composer, in.at + held, left - held, err);
 }

@@ -1,17 +1,17 @@
-/* stage/perform/performer.h - a face and its voices. A performer has up to PERFORMER_VOICES_MAX
- * voices, as a synthesizer has. Each voice is a layer and the weight with which it shows; one
- * composer blends the pulls of all voices. Live hands are one voice, each clip that a take shows is
- * one, and an overdub is one more. Leaves out the phases of a step (frame.h) and which samples come
- * next (scheduler.h). [frame] after create; no allocation then. */
+/* stage/perform/performer.h - a face and its voices. Like a synthesizer, a performer has several
+ * voices, up to PERFORMER_VOICES_MAX. A voice is a layer with a weight; one composer blends the
+ * pulls of all voices. Live hands are one voice, each visible clip of a take is one, and an overdub
+ * is one more. Does not cover the phases of a step (frame.h) or the choice of the next samples
+ * (scheduler.h). [frame] after create; no allocation then. */
 #ifndef MAROTTE_STAGE_PERFORMER_H
 #define MAROTTE_STAGE_PERFORMER_H
 #include "stage/perform/composer.h"
 #include "stage/perform/layer.h"
 
 typedef struct performer_settings {
-    csrbf_settings solver; /* radius: used when a pull names none; 0: the rig's, or a quarter of the
-                              height */
-    double hand_length_mm; /* of both hands; 0: the next */
+    csrbf_settings solver; /* radius: default for pulls that set none; 0: the rig's, or a quarter of
+                              the height */
+    double hand_length_mm; /* of both hands; 0: side_length_mm applies */
     double side_length_mm[2]; /* left, right; 0: HAND_LENGTH_MM */
     uint32_t rezero_pedal;    /* hands.h; 0: none */
     const patch *patch;       /* copied; NULL: none */
@@ -20,16 +20,16 @@ typedef struct performer_settings {
 /* ---- voices ---- */
 
 enum {
-    PERFORMER_PARTS_MAX = 8, /* of the composer, for a voice */
+    PERFORMER_PARTS_MAX = 8, /* maximum number of parts of one voice */
     PERFORMER_VOICES_MAX = COMPOSER_PARTS_MAX / PERFORMER_PARTS_MAX,
     PERFORMER_NOBODY = PERFORMER_VOICES_MAX
 };
 typedef struct performer_voice {
     layer *layer;        /* NULL: unused */
-    bool is_seen;        /* false: it performs, but its pulls do not reach the face */
-    uint32_t lane, rank; /* lanes lie over each other, bottom first; the voices of one lane are
-                            cross-faded in the order of their ranks */
-    bool is_additive;    /* this and the next three: see composer_part */
+    bool is_seen;        /* false: the voice runs, but its pulls do not reach the face */
+    uint32_t lane, rank; /* lanes are stacked, bottom first; voices of one lane are cross-faded in
+                            the order of their ranks */
+    bool is_additive;    /* for this field to `owns` see composer_part */
     double weight, gain;
     const uint8_t *owns;
     double smooth_s; /* time constant that smooths anchored pulls; 0: off */
@@ -40,9 +40,9 @@ typedef struct performer_voice {
 
 typedef struct performer {
     composer *composer;
-    performer_voice voice[PERFORMER_VOICES_MAX]; /* the caller may change them between steps */
-    layer *own;              /* made with the performer; voice 0 at first; NULL: none */
-    composer_counts *counts; /* of the composer; frame.c counts there too */
+    performer_voice voice[PERFORMER_VOICES_MAX]; /* the caller may change voices between steps */
+    layer *own;              /* created with the performer; voice 0 at first; NULL: none */
+    composer_counts *counts; /* of the composer; frame.c also updates them */
 } performer;
 
 /* [main] The face file and the mapping must outlive it. The mapping is activated and reset, and its
@@ -59,17 +59,17 @@ CHECKED mrt_result performer_make_layer(const performer *self, instance *mapping
 CHECKED mrt_result performer_make_patch(const performer *self, const patch *p, patch_plan **out,
                                         error *err);
 
-/* ---- for frame.c: what of the voices reaches the face ---- */
+/* ---- for frame.c: the parts of the voices ---- */
 
 typedef struct performer_parts {
     composer_part part[COMPOSER_PARTS_MAX];
     uint32_t count;
 } performer_parts;
-/* The parts of all voices that are seen, bottom first, at now_ns of the clock of whoever performs.
- * fresh: the voice that performed in this step; PERFORMER_NOBODY: none has. */
+/* Lists the parts of all visible voices, bottom first. now_ns: time in the clock of the performer
+ * (sample_step.due_ns). fresh: the voice that performed in this step; PERFORMER_NOBODY: none. */
 void performer_compose(performer *self, uint32_t fresh, int64_t now_ns, performer_parts *out);
 
-/* ---- kept: of voice 0 ---- */
+/* ---- save and load voice 0 ---- */
 
 /* Serializes everything that later frames depend on while voice 0 performs alone. Writes at most
  * `capacity` bytes; bytes may be NULL. Returns the size of the state. 0: the mapping has no state.
@@ -78,8 +78,9 @@ size_t performer_save(performer *self, void *bytes, size_t capacity);
 /* [main] Restores that state, parameters included. On error the layer and the composer are reset.
  */
 CHECKED mrt_result performer_load(performer *self, const void *bytes, size_t size, error *err);
-/* The same for what the pointer made of the face: hands and mapping are left as they are. [frame]
- * no allocation. On error nothing has changed, or the face is at rest. */
+/* The same for the pulls of the pointer and the shape of the face. Hands and mapping are not
+ * changed. [frame] without allocation. On error either nothing has changed or the face is at rest.
+ */
 size_t performer_save_pulled(performer *self, void *bytes, size_t capacity);
 CHECKED mrt_result performer_load_pulled(performer *self, const void *bytes, size_t size,
                                          error *err);

@@ -5,7 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Longest sleep in real time without samples and frames: the delay until `stop` is seen. */
+/* Longest sleep in real time without samples and frames; limits the delay until `stop` takes
+ * effect. */
 static const int64_t idle_span_ns = 50 * NS_PER_MS;
 
 /* A longer gap in a recording counts as damage: it would be drawn as hours of frames. */
@@ -13,8 +14,8 @@ static const int64_t gap_max_ns = 3600 * NS_PER_S;
 
 struct player_loop {
     stage_frame *frame;
-    bool goes_on; /* player_go_on: in real time, with or without inputs */
-    bool is_over; /* a drawn frame returned MRT_END */
+    bool is_endless; /* player_go_on: does not end with the inputs, skips late frames */
+    bool is_over;    /* a drawn frame returned MRT_END */
     input *inputs[PLAYER_INPUTS_MAX];
     uint32_t input_count;
     player_settings settings;
@@ -23,13 +24,13 @@ struct player_loop {
     scheduler scheduler;
     scheduler_entry entry[PLAYER_INPUTS_MAX];
     channel_route route[PLAYER_INPUTS_MAX];
-    wake signal; /* from the threads of the inputs */
+    wake signal; /* set by the threads of the inputs */
     bool started;
-    int64_t begin_ns; /* real time: begin of the performance, with or without samples */
+    int64_t begin_ns; /* real time: start of the performance, even without samples */
     int64_t start_ns;
     int64_t work_ns;           /* spent on steps since the last drawn frame */
-    int64_t drawn_ns, draw_ns; /* goes_on: end and duration of the last drawing */
-    bool is_wanted;            /* goes_on: draw as soon as no sample waits */
+    int64_t drawn_ns, draw_ns; /* player_go_on: end and duration of the last drawing */
+    bool is_wanted;            /* player_go_on: draw as soon as no sample waits */
 };
 
 static int64_t frame_time_ns(const player_loop *self, uint32_t index)
@@ -61,7 +62,8 @@ static mrt_result draw_newest(player_loop *self, int64_t now_ns, error *err)
 {
     double behind_s = (double)(now_ns - self->start_ns) / 1e9;
     uint32_t due = (uint32_t)fmax(floor(behind_s * self->settings.fps), 0.0);
-    if (frame_time_ns(self, due + 1) <= now_ns) /* exact: the rounded value is a frame short */
+    if (frame_time_ns(self, due + 1) <=
+        now_ns) /* exact; the rounded value can be one frame short */
         due += 1;
     self->report.frame_count = due;
     self->is_wanted = false;
@@ -94,16 +96,17 @@ static bool is_past_end(const player_loop *self, int64_t time_ns)
     return seconds > 0 && (double)(time_ns - from_ns) >= seconds * 1e9;
 }
 
-static mrt_result check_gap(const player_loop *self, const sample_step *came, error *err)
+static mrt_result check_gap(const player_loop *self, const sample_step *next, error *err)
 {
     const scheduler *of = &self->scheduler;
     if (self->settings.clock != CLOCK_VIRTUAL || of->step_count == 0 ||
-        came->time_ns - of->last_ns <= gap_max_ns)
+        next->time_ns - of->last_ns <= gap_max_ns)
         return MRT_OK;
-    return error_set(err, MRT_ERR_FORMAT,
-                     "%s: a gap of %.0f s after sample %ju: set start or end, or split the record",
-                     input_name(self->inputs[came->of[0].input]),
-                     (double)(came->time_ns - of->last_ns) / 1e9, (uintmax_t)of->sample_count);
+    return error_set(
+        err, MRT_ERR_FORMAT,
+        "%s: a gap of %.0f s after sample %ju. Set start or end, or split the recording",
+        input_name(self->inputs[next->of[0].input]), (double)(next->time_ns - of->last_ns) / 1e9,
+        (uintmax_t)of->sample_count);
 }
 
 /* Performs the step in frame->step. Frames that are due before it are drawn first. */
@@ -114,7 +117,7 @@ static mrt_result play_step(player_loop *self, error *err)
     if (!self->started)
         self->start_ns = s->time_ns;
     self->started = true;
-    if (result >= 0 && !self->goes_on)
+    if (result >= 0 && !self->is_endless)
         result = draw_before(self, s->time_ns, err);
     if (result < 0 || self->is_over)
         return result;
@@ -126,8 +129,8 @@ static mrt_result play_step(player_loop *self, error *err)
     return result;
 }
 
-/* Real time, no step is ready: draws the frames that are due, or sleeps until a sample comes, at
- * the latest until until_ns. */
+/* Called in real time when no step is ready. Draws the frames that are due, or sleeps until a
+ * sample arrives, at most until until_ns. */
 static mrt_result idle(player_loop *self, uint32_t seen, int64_t until_ns, error *err)
 {
     int64_t now = clock_now_ns();
@@ -143,7 +146,7 @@ static mrt_result idle(player_loop *self, uint32_t seen, int64_t until_ns, error
     return MRT_OK;
 }
 
-static void tell_incidents(player_loop *self)
+static void report_incidents(player_loop *self)
 {
     input_incident incident;
     for (uint32_t i = 0; i < self->input_count; ++i)
@@ -166,7 +169,7 @@ static mrt_result play(player_loop *self, error *err)
         int64_t until_ns;
         uint32_t seen = wake_seen(&self->signal);
         mrt_result found = scheduler_next(&self->scheduler, clock_now_ns(), next, &until_ns, err);
-        tell_incidents(self);
+        report_incidents(self);
         if (found == MRT_OK) {
             if (is_past_end(self, next->time_ns))
                 break;
@@ -191,16 +194,16 @@ static int64_t next_frame_ns(const player_loop *self)
     return frame_time_ns(self, self->report.frame_count);
 }
 
-/* While samples wait, drawing gets a quarter of the time: a face that is slow to draw is drawn less
- * often, and every sample is performed in time. */
+/* Limits drawing to a quarter of the time while samples wait. A face that is slow to draw is drawn
+ * less often, but every sample is performed in time. */
 static bool may_be_drawn(const player_loop *self, bool has_samples, int64_t now_ns)
 {
     return !has_samples || now_ns - self->drawn_ns >= 3 * self->draw_ns;
 }
 
-/* Performs a step, or draws: at the frame rate, or as soon as `between` requests it and no step
- * waits. */
-static mrt_result go_on(player_loop *self, error *err)
+/* Performs a step if one is ready. Draws at the frame rate, or when `between` requested it and no
+ * step waits. */
+static mrt_result perform_or_draw(player_loop *self, error *err)
 {
     int64_t until_ns;
     uint32_t seen = wake_seen(&self->signal);
@@ -209,7 +212,7 @@ static mrt_result go_on(player_loop *self, error *err)
     mrt_result result =
         scheduler_next(&self->scheduler, clock_now_ns(), &self->frame->step, &until_ns, err);
     bool has_step = result == MRT_OK;
-    tell_incidents(self);
+    report_incidents(self);
     if (has_step)
         result = play_step(self, err);
     int64_t now_ns = clock_now_ns();
@@ -228,7 +231,7 @@ mrt_result player_go_on(player_loop *self, error *err)
     self->begin_ns = self->start_ns = clock_now_ns();
     self->started = true;
     while (result >= 0 && !is_stopped(self))
-        result = go_on(self, err);
+        result = perform_or_draw(self, err);
     return result;
 }
 
@@ -272,7 +275,7 @@ mrt_result player_give(player_loop *self, uint32_t index, const mrt_sample *samp
     f->step = sample_step_of(self->scheduler.entry[index].route, sample);
     f->step.of[0].input = index;
     scheduler_insert(&self->scheduler, &f->step);
-    f->sources = NULL; /* the step is from no source */
+    f->sources = NULL; /* the step comes from no source */
     mrt_result result = play_step(self, err);
     f->sources = &self->scheduler;
     return result;
@@ -301,8 +304,8 @@ static mrt_result check_fps(const player_settings *settings, error *err)
 {
     if (settings->fps > 0 && settings->fps <= 1000)
         return MRT_OK;
-    return error_set(err, MRT_ERR_ARGUMENT, "%g frames a second, 0 to 1000 are possible",
-                     settings->fps);
+    return error_set(err, MRT_ERR_ARGUMENT,
+                     "%g frames per second: must be above 0 and at most 1000", settings->fps);
 }
 
 mrt_result player_create(player_loop **out, stage_frame *f, const player_settings *settings,
@@ -316,7 +319,7 @@ mrt_result player_create(player_loop **out, stage_frame *f, const player_setting
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory to perform");
     init(self, f, settings, events);
-    self->goes_on = true;
+    self->is_endless = true;
     *out = self;
     return MRT_OK;
 }
@@ -334,8 +337,8 @@ mrt_result player_run_stage(stage_frame *f, input *const *inputs, uint32_t input
 {
     *out_report = (player_report){0};
     if (input_count == 0 || input_count > PLAYER_INPUTS_MAX)
-        return error_set(err, MRT_ERR_ARGUMENT, "%u inputs were given, 1 to %d are possible",
-                         input_count, PLAYER_INPUTS_MAX);
+        return error_set(err, MRT_ERR_ARGUMENT, "%u inputs: 1 to %d are allowed", input_count,
+                         PLAYER_INPUTS_MAX);
     mrt_result result = check_fps(settings, err);
     if (result < 0)
         return result;

@@ -40,7 +40,7 @@ void pointer_reset(pointer *self)
     *self = (pointer){.pull = guard_idle(), .places = guard_idle()};
 }
 
-/* ---- what a sample says ---- */
+/* ---- reading a sample ---- */
 
 typedef struct pointer_sample {
     pointer_grip grip;
@@ -49,16 +49,16 @@ typedef struct pointer_sample {
     float radius_mm;
 } pointer_sample;
 
-static bool listen(const channel_route *route, const mrt_sample *sample, pointer_sample *out)
+static bool read_sample(const channel_route *route, const mrt_sample *sample, pointer_sample *out)
 {
     float value[POINTER_CHANNELS] = {0};
-    bool speaks = false;
+    bool has_pointer = false;
     for (uint32_t i = 0; i < route->table.count && i < sample->count; ++i) {
         uint32_t semantic = route->table.channel[i].semantic, channel = semantic - POINTER_SEMANTIC;
         if (channel >= POINTER_CHANNELS || semantic < POINTER_SEMANTIC)
             continue;
         value[channel] = sample->value[i];
-        speaks = true;
+        has_pointer = true;
     }
     float grip = value[POINTER_GRIP];
     out->grip = grip > 0.0f && grip <= (float)POINTER_NEUTRAL ? (pointer_grip)grip : POINTER_AWAY;
@@ -68,7 +68,7 @@ static bool listen(const channel_route *route, const mrt_sample *sample, pointer
                        to_double(value[POINTER_REST_Z])};
     out->at = (vec3){to_double(value[POINTER_AT_X]), to_double(value[POINTER_AT_Y]),
                      to_double(value[POINTER_AT_Z])};
-    return speaks;
+    return has_pointer;
 }
 
 /* ---- offsets ---- */
@@ -110,7 +110,7 @@ static uint32_t find_contact(const mrt_face *about, vec3 rest)
     return 0;
 }
 
-/* The oldest that is not held makes room. */
+/* Adds an offset. If the array is full, drops the oldest one. */
 static pointer_offset *add_offset(pointer *self, uint32_t contact, vec3 rest)
 {
     if (self->count == POINTER_STAYING_MAX + 1)
@@ -120,7 +120,7 @@ static pointer_offset *add_offset(pointer *self, uint32_t contact, vec3 rest)
     return o;
 }
 
-/* Before one more is held: when too many keep an offset, the oldest of these eases back. */
+/* Called before an offset is added. If too many keep an offset, the oldest of them eases back. */
 static void make_room(pointer *self)
 {
     uint32_t staying = 0;
@@ -139,7 +139,7 @@ static void make_room(pointer *self)
 
 /* ---- grips ---- */
 
-/* Places become parts of the base: all there are, as far as they are pulled now. */
+/* Bakes the current offsets of all points of the skin into the base. */
 static void commit_places(pointer *self)
 {
     for (uint32_t i = self->count; i-- > 0;)
@@ -157,7 +157,7 @@ static bool has_places(const pointer *self)
     return false;
 }
 
-static void take_hold(pointer *self, const mrt_face *about, const pointer_sample *now)
+static void begin_grip(pointer *self, const mrt_face *about, const pointer_sample *now)
 {
     self->held_rest = now->rest;
     self->held_at = self->at = now->at;
@@ -185,7 +185,7 @@ static void drag(pointer *self)
         o->offset = vec3_add(o->from, vec3_sub(self->at, self->held_at));
 }
 
-static void let_go(pointer *self, bool stays)
+static void release(pointer *self, bool stays)
 {
     pointer_offset *o = find_offset(self, self->held, self->held_rest);
     if (self->grip != POINTER_PULLS || !o)
@@ -196,7 +196,7 @@ static void let_go(pointer *self, bool stays)
         commit_places(self);
 }
 
-static void let_go_of_all(pointer *self)
+static void release_all(pointer *self)
 {
     for (uint32_t i = 0; i < self->count; ++i)
         if (!self->offset[i].eases)
@@ -210,13 +210,13 @@ static bool is_held(pointer_grip grip)
 
 static void apply_sample(pointer *self, const mrt_face *about, const pointer_sample *now)
 {
-    bool is_anew = now->grip != self->grip || !is_same_place(now->rest, self->held_rest);
-    if (is_held(self->grip) && is_anew)
-        let_go(self, self->stays);
-    if (is_held(now->grip) && is_anew)
-        take_hold(self, about, now);
+    bool is_new_grip = now->grip != self->grip || !is_same_place(now->rest, self->held_rest);
+    if (is_held(self->grip) && is_new_grip)
+        release(self, self->stays);
+    if (is_held(now->grip) && is_new_grip)
+        begin_grip(self, about, now);
     if (now->grip >= POINTER_LETS_GO && now->grip != self->grip)
-        let_go_of_all(self);
+        release_all(self);
     if (now->grip == POINTER_NEUTRAL && self->grip != POINTER_NEUTRAL) {
         self->restores = true;
         self->restores_s = 0.0;
@@ -228,9 +228,9 @@ static void apply_sample(pointer *self, const mrt_face *about, const pointer_sam
         drag(self);
 }
 
-/* ---- time goes on ---- */
+/* ---- easing ---- */
 
-static double what_is_left(double passed_s)
+static double remaining_share(double passed_s)
 {
     double s = fmin(passed_s / POINTER_SPRING_S, 1.0);
     return 1.0 - s * s * (3.0 - 2.0 * s);
@@ -243,19 +243,19 @@ static void ease(pointer *self, double dt_s)
         if (!o->eases)
             continue;
         o->eased_s += dt_s;
-        o->offset = vec3_scale(o->from, what_is_left(o->eased_s));
+        o->offset = vec3_scale(o->from, remaining_share(o->eased_s));
         if (o->eased_s >= POINTER_SPRING_S)
             remove_offset(self, i);
     }
     if (!self->restores)
         return;
-    double left = what_is_left(self->restores_s);
+    double left = remaining_share(self->restores_s);
     self->restores_s += dt_s;
-    self->restore = left > 0.0 ? 1.0 - what_is_left(self->restores_s) / left : 1.0;
+    self->restore = left > 0.0 ? 1.0 - remaining_share(self->restores_s) / left : 1.0;
     self->restores = self->restores_s < POINTER_SPRING_S;
 }
 
-/* ---- what it pulls ---- */
+/* ---- pulls ---- */
 
 static void add_vector(mrt_pull *to, const mrt_face *about, const pointer_offset *o)
 {
@@ -290,13 +290,13 @@ static void pull(pointer *self, const mrt_face *about, vec3 kneads_from)
 bool pointer_read(pointer *self, const mrt_face *about, const sample_step *s, int64_t time_ns)
 {
     pointer_sample now = {0};
-    bool speaks = false;
-    for (uint32_t i = 0; i < s->count && !speaks; ++i)
-        speaks = listen(s->of[i].route, &s->of[i].sample, &now);
-    self->is_fresh = speaks;
+    bool has_pointer = false;
+    for (uint32_t i = 0; i < s->count && !has_pointer; ++i)
+        has_pointer = read_sample(s->of[i].route, &s->of[i].sample, &now);
+    self->is_fresh = has_pointer;
     self->commits = false;
     self->restore = 0.0;
-    if (!speaks && !self->is_known)
+    if (!has_pointer && !self->is_known)
         return false;
     int64_t passed_ns = time_ns - self->time_ns;
     double dt_s = self->is_known && passed_ns > 0 ? (double)passed_ns / (double)NS_PER_S : 0.0;
@@ -305,22 +305,22 @@ bool pointer_read(pointer *self, const mrt_face *about, const sample_step *s, in
     ease(self, dt_s);
     vec3 from = self->at;
     pointer_grip before = self->grip;
-    if (speaks)
+    if (has_pointer)
         apply_sample(self, about, &now);
     bool begins = self->grip != before;
     pull(self, about, begins ? self->at : from);
-    return speaks;
+    return has_pointer;
 }
 
-/* ---- kept ---- */
+/* ---- save and load ---- */
 
-static void put_pull(bytes_out *out, const mrt_pull *p)
+static void write_pull(bytes_out *out, const mrt_pull *p)
 {
     bytes_write(out, p, offsetof(mrt_pull, vector));
     bytes_write(out, p->vector, p->count * sizeof *p->vector);
 }
 
-static void take_pull(bytes_in *in, mrt_pull *out)
+static void read_pull(bytes_in *in, mrt_pull *out)
 {
     *out = guard_idle();
     bytes_read(in, out, offsetof(mrt_pull, vector));
@@ -356,8 +356,8 @@ size_t pointer_save(const pointer *self, void *bytes, size_t capacity)
         bytes_write_u32(&out, o->eases);
         bytes_write_f64(&out, o->eased_s);
     }
-    put_pull(&out, &self->pull);
-    put_pull(&out, &self->places);
+    write_pull(&out, &self->pull);
+    write_pull(&out, &self->places);
     return out.size;
 }
 
@@ -390,8 +390,8 @@ bool pointer_load(pointer *self, const void *bytes, size_t size)
         o->eases = bytes_read_u32(&in) != 0;
         o->eased_s = bytes_read_f64(&in);
     }
-    take_pull(&in, &self->pull);
-    take_pull(&in, &self->places);
+    read_pull(&in, &self->pull);
+    read_pull(&in, &self->places);
     if (!in.failed && in.at == in.end)
         return true;
     pointer_reset(self);

@@ -14,19 +14,19 @@
 #include <string.h>
 #include <unistd.h>
 
-/* How often the file is looked at; it is complete when it has not changed in between. */
-static const int64_t look_span_ns = 20 * NS_PER_MS;
-/* How often the loader looks whether the frame thread has done its part. */
-static const int64_t part_span_ns = 2 * NS_PER_MS;
+/* Interval between two checks of the file. The file is complete if it did not change in between. */
+static const int64_t poll_span_ns = 20 * NS_PER_MS;
+/* Interval at which the loader thread polls the frame thread. */
+static const int64_t wait_span_ns = 2 * NS_PER_MS;
 static const int64_t answer_patience_ns = 100 * NS_PER_MS;
 static const size_t state_capacity = (size_t)1 << 20;
 
-/* ---- a library file that is watched, and copies of it that are loaded: a rebuilt file of the same
- * name would not be loaded again, and would change under the program ---- */
+/* ---- copies of the watched library: a rebuilt file of the same name would not be loaded again,
+ * and would change while it is in use ---- */
 
 static const size_t library_bytes_max = (size_t)256 << 20;
 
-/* A folder for copies, which nobody else may enter. */
+/* Creates a private folder for copies. */
 static mrt_result make_folder(char out[PATH_MAX], error *err)
 {
     const char *chosen = getenv("TMPDIR");
@@ -34,10 +34,11 @@ static mrt_result make_folder(char out[PATH_MAX], error *err)
         snprintf(out, PATH_MAX, "%s/marotte-XXXXXX", chosen && chosen[0] == '/' ? chosen : "/tmp");
     if (length > 0 && length < PATH_MAX && mkdtemp(out))
         return MRT_OK;
-    return error_set(err, MRT_ERR_IO, "no folder for rebuilt plugins: %s", strerror(errno));
+    return error_set(err, MRT_ERR_IO, "cannot create a folder for rebuilt plugins: %s",
+                     strerror(errno));
 }
 
-/* Copies the file as number `n`; its SHA-256 goes to out_hash. */
+/* Copies the library as number `n` and writes its SHA-256 to out_hash. */
 static mrt_result copy_library(const char *library, const char *folder, uint32_t n,
                                char out_path[PATH_MAX], char out_hash[TAKE_HASH], error *err)
 {
@@ -52,22 +53,21 @@ static mrt_result copy_library(const char *library, const char *folder, uint32_t
         snprintf(out_path, PATH_MAX, "%s/%u-%.200s", folder, n, slash ? slash + 1 : library);
     hash_bytes(out_hash, bytes.data, bytes.size);
     if (length <= 0 || length >= PATH_MAX)
-        result = error_set(err, MRT_ERR_IO, "%s: too long a name", library);
+        result = error_set(err, MRT_ERR_IO, "%s: the path is too long", library);
     FILE *copy = result >= 0 ? fopen(out_path, "wbx") : NULL;
     if (copy) { /* not file_write: it need not survive a power cut */
         bool is_written = fwrite(bytes.data, bytes.size, 1, copy) == 1;
         is_written &= fclose(copy) == 0;
         if (!is_written)
-            result =
-                error_set(err, MRT_ERR_IO, "%s cannot be written: %s", out_path, strerror(errno));
+            result = error_set(err, MRT_ERR_IO, "cannot write %s: %s", out_path, strerror(errno));
     } else if (result >= 0) {
-        result = error_set(err, MRT_ERR_IO, "%s cannot be made: %s", out_path, strerror(errno));
+        result = error_set(err, MRT_ERR_IO, "cannot create %s: %s", out_path, strerror(errno));
     }
     file_bytes_finish(&bytes);
     return result;
 }
 
-/* The mapping of that id in a library, loaded and its tables checked. */
+/* Loads a library, checks its tables and finds the mapping with that id. */
 static mrt_result open_version(const char *path, const char *type_id,
                                const mrt_plugin_type **out_type, error *err)
 {
@@ -84,56 +84,56 @@ static mrt_result open_version(const char *path, const char *type_id,
         *out_type = *types;
         return MRT_OK;
     }
-    return error_set(err, MRT_ERR_FORMAT, "has no mapping %s any more", type_id);
+    return error_set(err, MRT_ERR_FORMAT, "the library no longer has mapping %s", type_id);
 }
 
-/* ---- the whole ---- */
+/* ---- data ---- */
 
-/* One version of the mapping; does not move. */
+/* One version of the mapping. Must not move in memory. */
 typedef struct version {
     instance instance;
     isolate *isolate;
     bool is_active;
-    char path[PATH_MAX];          /* of its copy; "" */
+    char path[PATH_MAX];          /* of its copy; "": none */
     char identity[TAKE_IDENTITY]; /* as recorder_plugin_identity */
 } version;
 
-/* Which thread acts next, and on what. */
+/* State of the hand-over between loader and frame thread. Names the thread that acts next. */
 enum {
-    STEP_NOTHING = 0, /* the loader's */
-    STEP_SAVE,        /* the frame thread's: MRT_STATE of the old one */
-    STEP_SAVED,       /* the loader's */
-    STEP_TAKE,        /* the frame thread's: the new one may pull */
-    STEP_TAKEN        /* the loader's: the old one may go */
+    STEP_NOTHING = 0, /* loader: no switch is pending */
+    STEP_SAVE,        /* frame thread: save MRT_STATE of the old version */
+    STEP_SAVED,       /* loader: give the saved state to the new version */
+    STEP_SWITCH,      /* frame thread: switch to the new version */
+    STEP_SWITCHED     /* loader: destroy the old version */
 };
 
 struct reload {
     reload_settings settings;
     char *library;
     char folder[PATH_MAX];
-    const mrt_plugin_type *first; /* of the caller's instance, not isolated */
+    const mrt_plugin_type *first; /* type of the caller's instance, without isolation */
     pthread_t loader;
     _Atomic bool is_stopping;
     _Atomic uint32_t step;
     _Atomic uint32_t taken_count, refused_count;
     _Atomic int64_t last_ns;
-    _Atomic uintptr_t pulling; /* the instance that pulls, for [main] */
-    _Atomic uintptr_t known;   /* the one that [main] knows */
+    _Atomic uintptr_t pulling; /* the current instance, for [main] */
+    _Atomic uintptr_t known;   /* last instance that reload_current returned */
 
-    instance *current;           /* that pulls */
-    version *version;            /* of `current`; NULL: it is the caller's */
-    version *next;               /* while it is loaded */
-    layer_room *room;            /* for it; then the one that the layer had */
+    instance *current;           /* performs now */
+    version *version;            /* version of `current`; NULL: the caller's instance */
+    version *next;               /* while it waits for the switch */
+    layer_room *room;            /* for `next`; after the switch the layer's old one */
     unsigned char *state;        /* state_capacity */
-    size_t state_size;           /* what STEP_SAVE has found; 0: nothing */
-    bool is_state_lost;          /* the new one did not take it */
-    plugin_library_stamp loaded; /* of the file when it began */
+    size_t state_size;           /* bytes saved in STEP_SAVE; 0: none */
+    bool is_state_lost;          /* the new version refused the state */
+    plugin_library_stamp loaded; /* of the file at the start */
     uint32_t number;
     int64_t seen_ns;
     const char *identity;
 };
 
-static void say(reload *self, int32_t level, const char *text)
+static void log_line(reload *self, int32_t level, const char *text)
 {
     log_push(self->settings.log, level, self->first->id, text);
 }
@@ -153,7 +153,7 @@ static void version_destroy(version *v)
     free(v);
 }
 
-/* Its library loaded, the plugin created. */
+/* Copies and loads the library, and creates the instance. */
 static mrt_result version_make(reload *self, version *v, error *err)
 {
     char hash[TAKE_HASH];
@@ -177,22 +177,22 @@ static mrt_result version_make(reload *self, version *v, error *err)
     return instance_create(&v->instance, type, self->settings.clock, self->settings.log, err);
 }
 
-/* ---- the loader ---- */
+/* ---- the loader thread ---- */
 
 static bool is_stopping(const reload *self)
 {
     return atomic_load(&self->is_stopping);
 }
 
-/* Until the frame thread has done its part; false: it will not. */
+/* Waits until the frame thread has reached `step`. Returns false if the program is ending. */
 static bool wait_for(const reload *self, uint32_t step)
 {
     while (!is_stopping(self) && atomic_load(&self->step) != step)
-        clock_sleep_until_ns(clock_now_ns() + part_span_ns);
+        clock_sleep_until_ns(clock_now_ns() + wait_span_ns);
     return !is_stopping(self);
 }
 
-static mrt_result take_state(reload *self, version *v)
+static mrt_result copy_state(reload *self, version *v)
 {
     const mrt_state *from = plugin_interface(self->current->type, MRT_STATE);
     const mrt_state *to = plugin_interface(v->instance.type, MRT_STATE);
@@ -202,12 +202,14 @@ static mrt_result take_state(reload *self, version *v)
     if (!wait_for(self, STEP_SAVED))
         return MRT_HOLD;
     if (self->state_size > 0 && to->load(v->instance.self, self->state, self->state_size) < 0)
-        say(self, MRT_LOG_WARNING, "the rebuilt version does not take what it was taught");
+        log_line(self, MRT_LOG_WARNING,
+                 "the rebuilt version refused the learned data of the old one");
     return MRT_OK;
 }
 
-/* The new one answers a frame in which no hand is seen, on the face that it will pull. */
-static mrt_result hear_answer(reload *self, version *v, error *err)
+/* Runs the new version on one frame without hands, on the face that it will move, and checks its
+ * pull. */
+static mrt_result check_first_frame(reload *self, version *v, error *err)
 {
     const mrt_mapping *mapping = plugin_interface(v->instance.type, MRT_MAPPING);
     const mrt_face *about = &self->settings.mapped->about;
@@ -223,7 +225,7 @@ static mrt_result hear_answer(reload *self, version *v, error *err)
     mrt_result result = mapping->process(v->instance.self, &frame, &pull);
     const char *fault = result == MRT_OK ? guard_fault(&g, &pull) : NULL;
     if (result < 0)
-        return error_set(err, result, "its first frame gave an error");
+        return error_set(err, result, "its first frame returned an error");
     if (fault)
         return error_set(err, MRT_ERR_FORMAT, "its first frame gave %s", fault);
     if (clock_now_ns() - start_ns > answer_patience_ns)
@@ -232,14 +234,14 @@ static mrt_result hear_answer(reload *self, version *v, error *err)
     return MRT_OK;
 }
 
-/* MRT_HOLD: the program ends meanwhile. */
+/* Returns MRT_HOLD if the program is ending. */
 static mrt_result prepare(reload *self, version *v, error *err)
 {
     mrt_result result = version_make(self, v, err);
     if (result < 0)
         return result;
     instance_copy_values(&v->instance, self->current);
-    result = take_state(self, v);
+    result = copy_state(self, v);
     if (result != MRT_OK)
         return result;
     const mrt_mapping *mapping = plugin_interface(v->instance.type, MRT_MAPPING);
@@ -248,40 +250,42 @@ static mrt_result prepare(reload *self, version *v, error *err)
         return result;
     v->is_active = true;
     mapping->reset(v->instance.self);
-    return hear_answer(self, v, err);
+    return check_first_frame(self, v, err);
 }
 
 static void refuse(reload *self, const char *reason)
 {
     error text;
     atomic_store(&self->step, STEP_NOTHING);
-    (void)error_set(&text, MRT_OK, "the rebuilt version is refused: %s; the old one goes on",
+    (void)error_set(&text, MRT_OK, "the rebuilt version is refused: %s. The old version continues",
                     reason);
-    say(self, MRT_LOG_WARNING, text.text);
+    log_line(self, MRT_LOG_WARNING, text.text);
     atomic_fetch_add(&self->refused_count, 1);
 }
 
-/* [main] may look at the old one until it has asked again. */
+/* Waits until [main] has called reload_current again, because it may use the old instance until
+ * then. */
 static void wait_for_main(const reload *self)
 {
     while (self->settings.is_asked && !is_stopping(self) &&
            atomic_load(&self->known) != atomic_load(&self->pulling))
-        clock_sleep_until_ns(clock_now_ns() + part_span_ns);
+        clock_sleep_until_ns(clock_now_ns() + wait_span_ns);
 }
 
-/* The old one is of no use any more. */
+/* Deactivates the old version and reports the switch. */
 static void retire(reload *self, instance *old, version *old_version)
 {
     if (old_version)
         version_destroy(old_version);
-    else /* the caller's: it destroys it */
+    else /* the caller destroys its own instance */
         instance_deactivate(old);
     if (self->is_state_lost)
-        say(self, MRT_LOG_WARNING, "the rebuilt version does not go on from the old one's state");
+        log_line(self, MRT_LOG_WARNING,
+                 "the rebuilt version could not load the state of the old one and was reset");
     error text;
     (void)error_set(&text, MRT_OK, "version %s has taken over",
                     isolate_inner(self->current->type)->version);
-    say(self, MRT_LOG_INFO, text.text);
+    log_line(self, MRT_LOG_INFO, text.text);
 }
 
 static void load_version(reload *self)
@@ -302,15 +306,15 @@ static void load_version(reload *self)
     }
     self->next = v;
     self->room = room;
-    atomic_store(&self->step, STEP_TAKE);
-    if (!wait_for(self, STEP_TAKEN) && atomic_load(&self->step) != STEP_TAKEN)
-        return; /* reload_stop clears up */
+    atomic_store(&self->step, STEP_SWITCH);
+    if (!wait_for(self, STEP_SWITCHED) && atomic_load(&self->step) != STEP_SWITCHED)
+        return; /* reload_stop frees `next` and `room` */
     atomic_store(&self->step, STEP_NOTHING);
     layer_room_destroy(self->room);
     self->room = NULL;
     wait_for_main(self);
     retire(self, old, old_version);
-    /* Last: who counts on it may change the file again. */
+    /* Last, because a caller that waits for this count may then change the file again. */
     atomic_store(&self->last_ns, clock_now_ns() - self->seen_ns);
     atomic_fetch_add(&self->taken_count, 1);
 }
@@ -320,7 +324,7 @@ static void *loader_main(void *data)
     reload *self = data;
     plugin_library_stamp loaded = self->loaded, last = loaded;
     while (!is_stopping(self)) {
-        clock_sleep_until_ns(clock_now_ns() + look_span_ns);
+        clock_sleep_until_ns(clock_now_ns() + poll_span_ns);
         plugin_library_stamp now = plugin_library_stamp_of(self->library);
         bool is_settled = plugin_library_is_same(&now, &last);
         if (!is_settled)
@@ -348,8 +352,9 @@ static void save_state(reload *self)
     atomic_store(&self->step, STEP_SAVED);
 }
 
-/* Where the old one is; the new one goes on from there, if both can. */
-static bool hand_over(reload *self, version *v)
+/* Gives the new version the state of the old one, if both support it. Returns false if the new
+ * version refused it. */
+static bool transfer_state(reload *self, version *v)
 {
     const mrt_resume *from = plugin_interface(self->current->type, MRT_RESUME);
     const mrt_resume *to = plugin_interface(v->instance.type, MRT_RESUME);
@@ -368,10 +373,10 @@ bool reload_step(reload *self, layer *of)
     uint32_t step = atomic_load(&self->step);
     if (step == STEP_SAVE)
         save_state(self);
-    if (step != STEP_TAKE || layer_is_fading(of))
+    if (step != STEP_SWITCH || layer_is_fading(of))
         return false;
     version *v = self->next;
-    self->is_state_lost = !hand_over(self, v);
+    self->is_state_lost = !transfer_state(self, v);
     instance_copy_values(&v->instance, self->current);
     (void)layer_switch(of, &v->instance, &self->room);
     self->current = &v->instance;
@@ -379,7 +384,7 @@ bool reload_step(reload *self, layer *of)
     self->version = v;
     self->identity = v->identity;
     self->next = NULL;
-    atomic_store(&self->step, STEP_TAKEN);
+    atomic_store(&self->step, STEP_SWITCHED);
     return true;
 }
 
@@ -402,7 +407,7 @@ reload_counts reload_counted(const reload *self)
                            .last_ns = atomic_load(&self->last_ns)};
 }
 
-/* ---- made and unmade ---- */
+/* ---- create and destroy ---- */
 
 mrt_result reload_start(reload **out, const reload_settings *settings, error *err)
 {
@@ -427,7 +432,7 @@ mrt_result reload_start(reload **out, const reload_settings *settings, error *er
         result = make_folder(self->folder, err);
     if (result >= 0 && pthread_create(&self->loader, NULL, loader_main, self) != 0) {
         (void)rmdir(self->folder);
-        result = error_set(err, MRT_ERR_IO, "no thread to watch %s", settings->library);
+        result = error_set(err, MRT_ERR_IO, "cannot start a thread to watch %s", settings->library);
     }
     if (result >= 0) {
         *out = self;

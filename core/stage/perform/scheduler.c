@@ -10,7 +10,7 @@ void scheduler_init(scheduler *out, scheduler_rule rule, scheduler_entry *entry,
     out->last_ns = out->shown_ns = INT64_MIN;
 }
 
-/* ---- who gives samples ---- */
+/* ---- sources ---- */
 
 static uint32_t measured_by(const channel_route *route)
 {
@@ -74,7 +74,7 @@ void scheduler_calibrate(scheduler *self, uint32_t side, const hand_calibration 
         route_version(self, i, self->entry[i].version);
 }
 
-/* ---- what is there ---- */
+/* ---- available samples ---- */
 
 static bool is_before(const scheduler_entry *a, const scheduler_entry *b)
 {
@@ -83,7 +83,7 @@ static bool is_before(const scheduler_entry *a, const scheduler_entry *b)
     return a->source.voice == b->source.voice && a->sample.time_ns < b->sample.time_ns;
 }
 
-static mrt_result ask(scheduler_entry *e, error *err)
+static mrt_result query_source(scheduler_entry *e, error *err)
 {
     const sample_source *from = &e->source;
     mrt_result result = from->peek(from->self, &e->sample, &e->next_version, err);
@@ -102,13 +102,13 @@ static mrt_result ask(scheduler_entry *e, error *err)
     return MRT_OK;
 }
 
-/* The earliest, of several the first; NULL: none. */
-static mrt_result look(scheduler *self, scheduler_entry **out_first, error *err)
+/* Queries all sources and finds the earliest sample; of equal ones the first. NULL: none. */
+static mrt_result query_sources(scheduler *self, scheduler_entry **out_first, error *err)
 {
     *out_first = NULL;
     for (uint32_t i = 0; i < self->count; ++i) {
         scheduler_entry *e = &self->entry[i];
-        mrt_result result = ask(e, err);
+        mrt_result result = query_source(e, err);
         if (result < 0)
             return result;
         if (e->is_there && (!*out_first || is_before(e, *out_first)))
@@ -117,14 +117,15 @@ static mrt_result look(scheduler *self, scheduler_entry **out_first, error *err)
     return MRT_OK;
 }
 
-/* ---- what goes together ---- */
+/* ---- choosing the samples of a step ---- */
 
 static bool may_pair(const scheduler_entry *a, const scheduler_entry *b)
 {
     return a->source.voice == b->source.voice && step_may_pair(&a->rhythm, &b->rhythm);
 }
 
-/* The sample of `e`, which is not there, ought to come soon enough to go with the first one. */
+/* Returns whether the next sample of `e`, which has none now, should arrive in time to join the
+ * first one. */
 static bool is_expected(const scheduler_entry *e, const scheduler_entry *first, int64_t first_ns)
 {
     const step_rhythm *r = &e->rhythm;
@@ -132,8 +133,9 @@ static bool is_expected(const scheduler_entry *e, const scheduler_entry *first, 
            r->last_ns + r->period_ns - first_ns <= step_window_ns(r, &first->rhythm);
 }
 
-/* True: until waits_until_ns something may come that goes with the first sample. */
-static bool is_to_wait(scheduler *self, const scheduler_entry *first, int64_t now_ns)
+/* Returns true while a sample may still arrive that joins the first one, at most until
+ * waits_until_ns. */
+static bool must_wait(scheduler *self, const scheduler_entry *first, int64_t now_ns)
 {
     int64_t most_ns = 0;
     uint32_t index = (uint32_t)(first - self->entry);
@@ -160,7 +162,8 @@ static bool is_to_wait(scheduler *self, const scheduler_entry *first, int64_t no
     return false;
 }
 
-/* As it was measured: the instant of the last sample of the step. */
+/* Chooses the samples by the times at which they were measured. Returns the time of the last sample
+ * of the step. */
 static int64_t choose_measured(scheduler *self, scheduler_entry *first)
 {
     step_choice choice = step_choice_of(&first->rhythm, first->sample.time_ns);
@@ -209,14 +212,14 @@ mrt_result scheduler_next(scheduler *self, int64_t now_ns, sample_step *out, int
     bool is_over = true;
     *out_until_ns = INT64_MAX;
     out->count = 0;
-    mrt_result result = look(self, &first, err);
+    mrt_result result = query_sources(self, &first, err);
     if (result < 0)
         return result;
     for (uint32_t i = 0; i < self->count; ++i)
         is_over &= self->entry[i].is_over;
     if (!first)
         return is_over ? MRT_END : MRT_TIMEOUT;
-    if (self->rule == SCHEDULE_LIVE && is_to_wait(self, first, now_ns)) {
+    if (self->rule == SCHEDULE_LIVE && must_wait(self, first, now_ns)) {
         *out_until_ns = self->waits_until_ns;
         return MRT_TIMEOUT;
     }
@@ -235,7 +238,7 @@ mrt_result scheduler_next(scheduler *self, int64_t now_ns, sample_step *out, int
     return MRT_OK;
 }
 
-/* ---- performed ---- */
+/* ---- consuming a step ---- */
 
 void scheduler_insert(scheduler *self, sample_step *s)
 {
