@@ -15,6 +15,9 @@
 #include <string.h>
 #include <unistd.h>
 
+static const mesh_frame gltf = {.mm_per_unit = 1000.0, .up = MESH_AXIS_Y, .forward = MESH_AXIS_Z};
+static const mesh_frame mm = {.mm_per_unit = 1.0}, stl = {.up = MESH_AXIS_Z};
+
 /* The Moai, 300 mm high, as a mesh in mm, to be turned and scaled. */
 static mesh read_moai(void)
 {
@@ -49,7 +52,7 @@ static void a_head_with_z_upwards_is_turned(void **state)
     mesh original = read_moai(), m = read_moai();
     error err;
     put_into(&m, (const int[]){0, 2, 1}, (const float[]){1, 1, -1}, 0.001f); /* y -> z, z -> -y */
-    assert_int_equal(mesh_frame_apply(&m, &(mesh_frame){0}, 0.0, &err), MRT_OK);
+    assert_int_equal(mesh_frame_apply(&m, &(mesh_frame){0}, &(mesh_frame){0}, &err), MRT_OK);
     assert_int_equal(m.up, MESH_AXIS_Z);
     assert_int_equal(m.forward, MESH_AXIS_MINUS_Y);
     assert_same_shape(&original, &m, 0.001);
@@ -65,7 +68,7 @@ static void a_head_that_looks_away_is_turned_round(void **state)
     mesh original = read_moai(), m = read_moai();
     error err;
     put_into(&m, (const int[]){0, 1, 2}, (const float[]){-1, 1, -1}, 0.1f);
-    assert_int_equal(mesh_frame_apply(&m, &(mesh_frame){0}, 0.0, &err), MRT_OK);
+    assert_int_equal(mesh_frame_apply(&m, &(mesh_frame){0}, &(mesh_frame){0}, &err), MRT_OK);
     assert_int_equal(m.forward, MESH_AXIS_MINUS_Z);
     assert_same_shape(&original, &m, 0.001);
     mesh_destroy(&m);
@@ -86,8 +89,45 @@ static void a_head_that_looks_aside_is_turned(void **state)
         mesh original = read_moai(), m = read_moai();
         error err;
         put_into(&m, row[i].axis, row[i].sign, 0.1f);
-        assert_int_equal(mesh_frame_apply(&m, &(mesh_frame){0}, 0.0, &err), MRT_OK);
+        assert_int_equal(mesh_frame_apply(&m, &(mesh_frame){0}, &(mesh_frame){0}, &err), MRT_OK);
         assert_int_equal(m.up, row[i].up);
+        assert_int_equal(m.forward, row[i].forward);
+        assert_same_shape(&original, &m, 0.001);
+        mesh_destroy(&m);
+        mesh_destroy(&original);
+    }
+}
+
+/* As some programs write glTF: it stands as it is, for that is what the format prescribes. */
+static void gltf_on_its_back_stands(void **state)
+{
+    (void)state;
+    mesh m = read_moai();
+    error err;
+    put_into(&m, (const int[]){0, 2, 1}, (const float[]){1, 1, -1}, 0.001f);
+    assert_int_equal(mesh_frame_apply(&m, &(mesh_frame){0}, &gltf, &err), MRT_OK);
+    assert_int_equal(m.up, MESH_AXIS_Y);
+    assert_int_equal(m.forward, MESH_AXIS_Z);
+    mesh_destroy(&m);
+}
+
+static void stl_has_z_up(void **state)
+{
+    (void)state;
+    static const struct {
+        int axis[3];
+        float sign[3];
+        mesh_axis forward;
+    } row[] = {{{0, 2, 1}, {1, 1, -1}, MESH_AXIS_MINUS_Y},
+               {{0, 2, 1}, {-1, 1, 1}, MESH_AXIS_Y},
+               {{1, 2, 0}, {1, 1, 1}, MESH_AXIS_X},
+               {{1, 2, 0}, {-1, 1, -1}, MESH_AXIS_MINUS_X}};
+    for (size_t i = 0; i < sizeof row / sizeof *row; ++i) {
+        mesh original = read_moai(), m = read_moai();
+        error err;
+        put_into(&m, row[i].axis, row[i].sign, 1.0f);
+        assert_int_equal(mesh_frame_apply(&m, &(mesh_frame){0}, &stl, &err), MRT_OK);
+        assert_int_equal(m.up, MESH_AXIS_Z);
         assert_int_equal(m.forward, row[i].forward);
         assert_same_shape(&original, &m, 0.001);
         mesh_destroy(&m);
@@ -104,12 +144,12 @@ static void what_is_said_holds(void **state)
     const mesh_frame said = {.mm_per_unit = 0.25, .up = MESH_AXIS_X, .forward = MESH_AXIS_Y};
     free(m.note);
     m.note = NULL;
-    assert_int_equal(mesh_frame_apply(&m, &said, 1000.0, &err), MRT_OK);
+    assert_int_equal(mesh_frame_apply(&m, &said, &gltf, &err), MRT_OK);
     assert_same_shape(&original, &m, 0.001);
     assert_true(m.mm_per_unit == 0.25);
     assert_null(m.note);
     const mesh_frame line = {.mm_per_unit = 0.25, .up = MESH_AXIS_X, .forward = MESH_AXIS_MINUS_X};
-    assert_true(mesh_frame_apply(&m, &line, 1000.0, &err) < 0);
+    assert_true(mesh_frame_apply(&m, &line, &gltf, &err) < 0);
     assert_non_null(strstr(err.text, "--up x and --forward -x are on one line"));
     mesh_destroy(&m);
     mesh_destroy(&original);
@@ -128,7 +168,7 @@ static void one_axis_brings_the_other(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         mesh m = read_moai();
         error err;
-        assert_int_equal(mesh_frame_apply(&m, &cases[i].said, 1.0, &err), MRT_OK);
+        assert_int_equal(mesh_frame_apply(&m, &cases[i].said, &mm, &err), MRT_OK);
         assert_int_equal(m.up, cases[i].up);
         assert_int_equal(m.forward, cases[i].forward);
         mesh_destroy(&m);
@@ -163,7 +203,7 @@ static void a_skeleton_says_where_a_face_looks(void **state)
     error err;
     for (uint32_t i = 0; i < JOINTS; ++i)
         add_joint(&m, joints[i].name, joints[i].at);
-    assert_int_equal(mesh_frame_apply(&m, &(mesh_frame){0}, 1.0, &err), MRT_OK);
+    assert_int_equal(mesh_frame_apply(&m, &(mesh_frame){0}, &mm, &err), MRT_OK);
     assert_int_equal(m.up, MESH_AXIS_Y);
     assert_int_equal(m.forward, MESH_AXIS_MINUS_Z);
     assert_non_null(strstr(m.note, "from its skeleton"));
@@ -193,7 +233,9 @@ static void heads_and_bodies_get_a_height(void **state)
         for (size_t v = 0; v < (size_t)m.vertex_count * 3; ++v)
             m.position[v] *= cases[i].scale[v % 3];
         const mesh_frame upright = {.up = MESH_AXIS_Y, .forward = MESH_AXIS_Z};
-        assert_int_equal(mesh_frame_apply(&m, &upright, cases[i].format_mm, &err), MRT_OK);
+        assert_int_equal(
+            mesh_frame_apply(&m, &upright, &(mesh_frame){.mm_per_unit = cases[i].format_mm}, &err),
+            MRT_OK);
         mesh_bounds(&m, low, high);
         double height_mm = (double)high[1] - (double)low[1];
         if (!(fabs(height_mm - cases[i].expected_mm) < 0.05 * cases[i].expected_mm))
@@ -217,7 +259,7 @@ static void a_skeleton_says_that_it_is_a_body(void **state)
     add_joint(&m, "Hips", (const float[3]){0, low[1] + 0.5f * height, 0});
     add_joint(&m, "Head", (const float[3]){0, low[1] + 0.9f * height, 0});
     const mesh_frame upright = {.up = MESH_AXIS_Y, .forward = MESH_AXIS_Z};
-    assert_int_equal(mesh_frame_apply(&m, &upright, 1000.0, &err), MRT_OK);
+    assert_int_equal(mesh_frame_apply(&m, &upright, &gltf, &err), MRT_OK);
     assert_true(m.mm_per_unit == 1000.0);
     assert_false(m.is_unit_guessed);
     mesh_destroy(&m);
@@ -281,6 +323,8 @@ int main(void)
         cmocka_unit_test(a_head_with_z_upwards_is_turned),
         cmocka_unit_test(a_head_that_looks_away_is_turned_round),
         cmocka_unit_test(a_head_that_looks_aside_is_turned),
+        cmocka_unit_test(gltf_on_its_back_stands),
+        cmocka_unit_test(stl_has_z_up),
         cmocka_unit_test(what_is_said_holds),
         cmocka_unit_test(one_axis_brings_the_other),
         cmocka_unit_test(a_skeleton_says_where_a_face_looks),

@@ -126,6 +126,16 @@ static mrt_result parse(mesh *out, mesh_format format, const file_bytes *bytes, 
                      "unknown mesh format: marotte reads .obj .ply .off .glb .gltf .vrm .stl .om");
 }
 
+/* glTF prescribes its unit and axes; programs that write STL have z up most often. */
+static mesh_frame usual_frame(mesh_format format, const char *path)
+{
+    if (format == FORMAT_GLTF)
+        return (mesh_frame){.mm_per_unit = 1000.0, .up = MESH_AXIS_Y, .forward = MESH_AXIS_Z};
+    return strncmp(file_extension_of(path).text, "stl", 3) == 0
+               ? (mesh_frame){.up = MESH_AXIS_Z, .forward = MESH_AXIS_MINUS_Y}
+               : (mesh_frame){0};
+}
+
 mrt_result mesh_file_read(mesh *out, const char *path, const mesh_frame *frame, error *err)
 {
     static const mesh_frame nothing = {0};
@@ -144,8 +154,8 @@ mrt_result mesh_file_read(mesh *out, const char *path, const mesh_frame *frame, 
     file_bytes_finish(&bytes);
     if (result == MRT_OK) {
         mesh_images_decode(out);
-        result = mesh_frame_apply(out, frame ? frame : &nothing,
-                                  format == FORMAT_GLTF ? 1000.0 : 0.0, err);
+        const mesh_frame usual = usual_frame(format, path);
+        result = mesh_frame_apply(out, frame ? frame : &nothing, &usual, err);
     }
     if (result == MRT_OK && !(out->path = strdup(path)))
         result = error_set(err, MRT_ERR_MEMORY, "no memory for a name");

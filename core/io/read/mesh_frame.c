@@ -1,5 +1,7 @@
 #include "io/read/mesh_frame.h"
 
+#include "io/read/mesh_shape.h"
+
 #include <ctype.h>
 #include <math.h>
 #include <string.h>
@@ -221,45 +223,109 @@ static void find_wander(double out[2], const mesh *m, const float low[3], const 
                  size[2 * i];
 }
 
-/* Finds the axes by shape, in clear cases only. One is a head with its features where glTF has the
- * back of the head or an ear, or where z-up modelling programs have the face. The other is a body
- * that is tall along z. */
-static bool find_by_shape(const mesh *m, mesh_axis *out_up, mesh_axis *out_forward)
+/* Left and right are alike, front and back are not: the axis of left and right, where it is clear.
+ * `margin`: by how much x may be less alike than another axis. */
+static int find_left_axis(const double symmetry[3], double margin)
 {
-    enum { TRIANGLES_MIN = 300 };
-    float low[3], high[3];
-    double size[3], detail[3];
-    mesh_bounds(m, low, high);
-    for (int i = 0; i < 3; ++i)
-        size[i] = (double)high[i] - (double)low[i];
-    *out_up = MESH_AXIS_Y;
-    *out_forward = MESH_AXIS_Z;
-    if (m->triangle_count < TRIANGLES_MIN || !(size[0] > 0.0 && size[1] > 0.0 && size[2] > 0.0))
-        return false;
-    find_detail(detail, m, low, high);
-    bool is_even = fabs(detail[0]) < 0.02; /* left and right are alike */
-    bool is_tall_in_z = size[2] > 2.2 * size[1] && size[2] > 0.8 * size[0];
+    int best = 0;
+    for (int i = 1; i < 3; ++i)
+        if (symmetry[i] > 0.85 && symmetry[i] > symmetry[0] + margin &&
+            (best == 0 || symmetry[i] > symmetry[best]))
+            best = i;
+    return best;
+}
+
+/* The horizontal direction from which the surface has most relief. x and y are horizontal. */
+static mesh_axis find_front_of_z_up(const double symmetry[3], double relief[3][2])
+{
+    const double clear = 1.15, alike = 0.06;
+    mesh_axis best = MESH_AXIS_MINUS_Y;
+    double most = clear * relief[1][1];
+    for (int axis = 0; axis < 2; ++axis)
+        for (int side = 0; side < 2; ++side)
+            if (relief[axis][side] > most && symmetry[1 - axis] > symmetry[axis] - alike) {
+                most = relief[axis][side];
+                best = (mesh_axis)((side == 0 ? MESH_AXIS_X : MESH_AXIS_MINUS_X) + axis);
+            }
+    return best;
+}
+
+/* Whether a z-up modelling program wrote the mesh: its face is where y is down, or a head is higher
+ * in z than deep in y. */
+static bool is_up_z(mesh_axis *out_forward, const double detail[3], const double size[3])
+{
     bool has_face_in_y =
         -detail[1] > 0.1 && -detail[1] > 2.0 * fabs(detail[2]) && size[1] < 2.2 * size[2];
     bool lies_on_back = fabs(detail[1]) > 0.05 && fabs(detail[1]) > 1.1 * fabs(detail[2]) &&
-                        size[2] > 1.1 * size[1]; /* higher in z than deep in y */
-    if (is_even && (is_tall_in_z || has_face_in_y || lies_on_back)) {
+                        size[2] > 1.1 * size[1];
+    *out_forward = lies_on_back && detail[1] > 0.0 ? MESH_AXIS_Y : MESH_AXIS_MINUS_Y;
+    return has_face_in_y || lies_on_back;
+}
+
+/* Finds the axes by shape, in clear cases only. The axes that the format prescribes stand unless
+ * another axis than theirs divides left and right, or a body is tall along z. */
+static mrt_result find_by_shape(mesh *m, const mesh_frame *usual, mesh_axis *out_up,
+                                mesh_axis *out_forward, bool *out_found, error *err)
+{
+    enum { TRIANGLES_MIN = 300 };
+    const bool is_prescribed = usual->up == MESH_AXIS_Y;
+    float low[3], high[3];
+    double size[3], detail[3], symmetry[3], relief[3][2], wander[2];
+    mesh_bounds(m, low, high);
+    for (int i = 0; i < 3; ++i)
+        size[i] = (double)high[i] - (double)low[i];
+    *out_up = usual->up == MESH_AXIS_AUTO ? MESH_AXIS_Y : usual->up;
+    *out_forward = *out_up == MESH_AXIS_Z ? MESH_AXIS_MINUS_Y : MESH_AXIS_Z;
+    *out_found = *out_up == MESH_AXIS_Z;
+    if (m->triangle_count < TRIANGLES_MIN || !(size[0] > 0.0 && size[1] > 0.0 && size[2] > 0.0))
+        return MRT_OK;
+    find_detail(detail, m, low, high);
+    mesh_symmetry(symmetry, m);
+    if (!mesh_relief(relief, m))
+        return error_set(err, MRT_ERR_MEMORY, "no memory to detect the axes");
+    const bool is_even = fabs(detail[0]) < 0.02; /* left and right are alike */
+    const bool is_tall_in_z = size[2] > 2.2 * size[1] && size[2] > 0.8 * size[0];
+    const bool is_tall_in_y = size[1] > 1.8 * size[2];
+    if (usual->up == MESH_AXIS_Z && !is_tall_in_y) {
+        *out_forward = find_front_of_z_up(symmetry, relief);
+        return MRT_OK;
+    }
+    *out_up = MESH_AXIS_Y;
+    *out_forward = MESH_AXIS_Z;
+    *out_found = true;
+    if (is_even && is_tall_in_z) {
         *out_up = MESH_AXIS_Z;
-        *out_forward = lies_on_back && detail[1] > 0.0 ? MESH_AXIS_Y : MESH_AXIS_MINUS_Y;
-        return true;
+        *out_forward = MESH_AXIS_MINUS_Y;
+        return MRT_OK;
     }
-    if (is_even && -detail[2] > 0.08 && -detail[2] > fabs(detail[1])) {
+    if (find_left_axis(symmetry, is_prescribed ? 0.3 : 0.1) == 2) {
+        *out_forward = relief[0][0] >= relief[0][1] ? MESH_AXIS_X : MESH_AXIS_MINUS_X;
+        return MRT_OK;
+    }
+    if (is_prescribed) {
+        *out_found = false;
+        return MRT_OK;
+    }
+    mesh_axis forward;
+    if (is_even && is_up_z(&forward, detail, size)) {
+        *out_up = MESH_AXIS_Z;
+        *out_forward = forward;
+        return MRT_OK;
+    }
+    const bool is_head = size[1] < 1.7 * fmax(size[0], size[2]);
+    if (is_even && ((-detail[2] > 0.08 && -detail[2] > fabs(detail[1])) ||
+                    (is_head && relief[2][1] > 1.35 * relief[2][0]))) {
         *out_forward = MESH_AXIS_MINUS_Z;
-        return true;
+        return MRT_OK;
     }
-    double wander[2];
     find_wander(wander, m, low, size);
-    bool is_head = size[1] < 2.6 * size[0] && size[1] < 2.6 * size[2];
-    if (is_head && wander[0] > 0.03 && wander[0] > 3.0 * wander[1] && fabs(detail[0]) > 0.05) {
+    if (size[1] < 2.6 * size[0] && size[1] < 2.6 * size[2] && wander[0] > 0.03 &&
+        wander[0] > 3.0 * wander[1] && fabs(detail[0]) > 0.05) {
         *out_forward = detail[0] > 0.0 ? MESH_AXIS_X : MESH_AXIS_MINUS_X;
-        return true;
+        return MRT_OK;
     }
-    return false;
+    *out_found = false;
+    return MRT_OK;
 }
 
 /* ---- axes ---- */
@@ -273,21 +339,27 @@ static void complete(mesh_axis *up, mesh_axis *forward)
         *forward = line_of(*up) == 2 ? MESH_AXIS_MINUS_Y : MESH_AXIS_Z;
 }
 
-static mrt_result set_axes(mesh *m, const mesh_frame *given, error *err)
+static mrt_result set_axes(mesh *m, const mesh_frame *given, const mesh_frame *usual, error *err)
 {
     mesh_axis up = given->up, forward = given->forward;
     const char *why = NULL;
-    bool is_given = up != MESH_AXIS_AUTO || forward != MESH_AXIS_AUTO;
-    if (!is_given && (m->up != MESH_AXIS_AUTO || m->forward != MESH_AXIS_AUTO)) {
-        up = m->up;
-        forward = m->forward;
-        why = "standard of VRM 0";
-    } else if (!is_given && find_by_skeleton(m, &up, &forward)) {
+    if (up == MESH_AXIS_AUTO && forward == MESH_AXIS_AUTO) {
+        bool is_found = find_by_skeleton(m, &up, &forward);
         why = "from its skeleton";
-    } else if (!is_given && m->joint_count == 0 && find_by_shape(m, &up, &forward)) {
-        why = "from its shape";
-    } else if (!is_given) {
-        up = forward = MESH_AXIS_AUTO;
+        if (!is_found && (m->up != MESH_AXIS_AUTO || m->forward != MESH_AXIS_AUTO)) {
+            is_found = true;
+            up = m->up;
+            forward = m->forward;
+            why = "standard of VRM 0";
+        }
+        if (!is_found && m->joint_count == 0) {
+            mrt_result result = find_by_shape(m, usual, &up, &forward, &is_found, err);
+            if (result < 0)
+                return result;
+            why = "from its shape";
+        }
+        if (!is_found)
+            up = forward = MESH_AXIS_AUTO;
     }
     complete(&up, &forward);
     if (line_of(up) == line_of(forward))
@@ -393,10 +465,11 @@ static double guess_mm_per_unit(mesh *m, double format_mm)
     return mm;
 }
 
-mrt_result mesh_frame_apply(mesh *m, const mesh_frame *given, double format_mm, error *err)
+mrt_result mesh_frame_apply(mesh *m, const mesh_frame *given, const mesh_frame *usual, error *err)
 {
-    mrt_result result = set_axes(m, given, err);
+    mrt_result result = set_axes(m, given, usual, err);
     if (result >= 0)
-        scale(m, given->mm_per_unit > 0.0 ? given->mm_per_unit : guess_mm_per_unit(m, format_mm));
+        scale(m, given->mm_per_unit > 0.0 ? given->mm_per_unit
+                                          : guess_mm_per_unit(m, usual->mm_per_unit));
     return result;
 }

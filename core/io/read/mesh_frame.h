@@ -5,8 +5,10 @@
 #define MAROTTE_IO_MESH_FRAME_H
 #include "mesh/mesh.h"
 
-/* `given`: the values that the user set; zero: not set. format_mm: the unit of the format (glTF:
- * 1000); 0: none. m->up and m->forward: the axes in the file, or MESH_AXIS_AUTO. */
-CHECKED mrt_result mesh_frame_apply(mesh *m, const mesh_frame *given, double format_mm, error *err);
+/* `given`: the values that the user set; zero: not set. `usual`: those of the format, zero: it has
+ * none. Its up axis is y where the format prescribes axes (glTF), z where its files usually have
+ * them so (STL). m->up and m->forward: the axes that the file names, or MESH_AXIS_AUTO. */
+CHECKED mrt_result mesh_frame_apply(mesh *m, const mesh_frame *given, const mesh_frame *usual,
+                                    error *err);
 
 #endif
