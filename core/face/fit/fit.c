@@ -26,17 +26,18 @@ static mrt_result check(const rig *r, const mesh *m, const mesh *targets,
 {
     if (targets->vertex_count != m->vertex_count)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "the targets have %u vertices, the rig's mesh %u: export them from the "
-                         "same mesh, in the same vertex order",
+                         "the targets have %u vertices, but the rig's mesh has %u; export both "
+                         "from the same mesh, in the same vertex order",
                          targets->vertex_count, m->vertex_count);
     if (targets->target_count == 0)
         return error_set(err, MRT_ERR_ARGUMENT, "the file of targets has no morph targets");
     for (uint32_t k = 0; k < options->contact_count; k++) {
         uint32_t contact = options->contact[k];
         if (contact >= r->contact_count || r->contact[contact].vertex >= m->vertex_count)
-            return error_set(err, MRT_ERR_ARGUMENT,
-                             "contact number %u is none of the rig's %u, or not on its mesh",
-                             contact, r->contact_count);
+            return error_set(
+                err, MRT_ERR_ARGUMENT,
+                "contact %u is not one of the rig's %u contacts, or is not on its mesh", contact,
+                r->contact_count);
         for (uint32_t other = 0; other < k; other++)
             if (options->contact[other] == contact)
                 return error_set(err, MRT_ERR_ARGUMENT, "contact \"%s\" is named twice",

@@ -655,8 +655,8 @@ mrt_result fit_suggest(uint32_t *out_vertex, uint32_t *out_count, uint32_t count
     *out_count = 0;
     if (targets->vertex_count != m->vertex_count || targets->target_count == 0)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "contacts are suggested from morph targets on the rig's own %u vertices; "
-                         "here are %u targets on %u vertices",
+                         "contacts can only be suggested from morph targets on the rig's own mesh "
+                         "of %u vertices; the file has %u targets on %u vertices",
                          m->vertex_count, targets->target_count, targets->vertex_count);
     if (count == 0 || count > MRT_MAX_VECTORS)
         return error_set(err, MRT_ERR_ARGUMENT, "1 to %d contacts can be suggested, not %u",

@@ -281,22 +281,20 @@ static mrt_result init_hinge(bones *b, const rig_bone *jaw, error *err)
     vec3 across = vec3_sub(jaw->hinge_left, jaw->hinge_right);
     double width = vec3_length(across);
     if (!is_finite(across) || !(width > 1e-3))
-        return error_set(
-            err, MRT_ERR_FORMAT,
-            "bone %s: its hinge is %g mm wide: place \"left\" and \"right\" at the two "
-            "condyles",
-            jaw->name, width);
+        return error_set(err, MRT_ERR_FORMAT,
+                         "bone %s: its hinge is only %g mm wide; place \"left\" and \"right\" at "
+                         "the two condyles",
+                         jaw->name, width);
     if (!(jaw->open_min_rad <= 0.0 && jaw->open_max_rad >= 0.0 && jaw->open_max_rad < ANGLE_PI &&
           jaw->open_min_rad > -ANGLE_PI))
-        return error_set(
-            err, MRT_ERR_FORMAT,
-            "bone %s: \"open_deg\" from %g to %g rad: expected [low, high] with low <= "
-            "0 <= high, less than 180 degrees",
-            jaw->name, jaw->open_min_rad, jaw->open_max_rad);
+        return error_set(err, MRT_ERR_FORMAT,
+                         "bone %s: \"open_deg\" ranges from %g to %g rad: expected [low, high] "
+                         "with low <= 0 <= high, less than 180 degrees",
+                         jaw->name, jaw->open_min_rad, jaw->open_max_rad);
     if (!(jaw->lateral_mm >= 0.0 && jaw->forward_mm >= 0.0 && jaw->slide_mm >= 0.0 &&
           isfinite(jaw->lateral_mm + jaw->forward_mm + jaw->slide_mm)))
         return error_set(err, MRT_ERR_FORMAT,
-                         "bone %s: lateral, forward and slide must be lengths from 0 up",
+                         "bone %s: lateral, forward and slide must be lengths of 0 or more",
                          jaw->name);
     const vec3 y = {0.0, 1.0, 0.0}, z = {0.0, 0.0, 1.0};
     h->half_mm = 0.5 * width;
@@ -312,11 +310,10 @@ static mrt_result init_hinge(bones *b, const rig_bone *jaw, error *err)
     h->depth_mm = vec3_dot(arm, h->forward);
     h->rise_mm = vec3_dot(arm, h->up);
     if (!is_finite(arm) || !(h->depth_mm > 1.0))
-        return error_set(
-            err, MRT_ERR_FORMAT,
-            "bone %s: the incisor lies %g mm before the hinge: give \"incisor\", or turn "
-            "the face towards +z with its left at +x",
-            jaw->name, h->depth_mm);
+        return error_set(err, MRT_ERR_FORMAT,
+                         "bone %s: the incisor is %g mm in front of the hinge; set \"incisor\", or "
+                         "turn the face towards +z with its left at +x",
+                         jaw->name, h->depth_mm);
     return MRT_OK;
 }
 
@@ -326,13 +323,13 @@ static mrt_result add_dof(bones *b, uint32_t bone, const char *name, const char 
     const char *owner = b->rig->bone[bone].name;
     if (b->dof_count == MRT_MAX_DOFS)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "bone %s: more than %d degrees of freedom: leave out some turns", owner,
-                         MRT_MAX_DOFS);
+                         "bone %s: the rig has more than %d degrees of freedom; remove some turns",
+                         owner, MRT_MAX_DOFS);
     bones_dof *dof = &b->dof[b->dof_count];
     int length = snprintf(dof->name, sizeof dof->name, "%s.%s", owner, name);
     if (length < 0 || (size_t)length >= sizeof dof->name)
         return error_set(err, MRT_ERR_FORMAT,
-                         "bone %s: the name %s.%s is longer than %zu letters: shorten it", owner,
+                         "bone %s: the name %s.%s is longer than %zu characters; shorten it", owner,
                          owner, name, sizeof dof->name - 1);
     dof->unit = unit;
     dof->min = (float)min;
@@ -348,7 +345,7 @@ static mrt_result init_jaw(bones *b, uint32_t bone, error *err)
     const rig_bone *jaw = &b->rig->bone[bone];
     if (b->jaw != RIG_NONE)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "bone %s: the rig has a jaw already, %s: only one bone may have a hinge",
+                         "bone %s: the rig already has a jaw, %s; only one bone can have a hinge",
                          jaw->name, b->rig->bone[b->jaw].name);
     b->jaw = bone;
     if (jaw->has_incisor)
@@ -382,8 +379,8 @@ static mrt_result init_ball(bones *b, uint32_t bone, error *err)
                 ball->name, t->name, t->min_rad, t->max_rad);
         const char *fault = rig_follow_fault(b->rig, bone, i);
         if (fault)
-            return error_set(err, MRT_ERR_FORMAT, "bone %s: what turn %s follows %s", ball->name,
-                             t->name, fault);
+            return error_set(err, MRT_ERR_FORMAT, "bone %s: the turn that %s follows %s",
+                             ball->name, t->name, fault);
         mrt_result result = add_dof(b, bone, t->name, "rad", t->min_rad, t->max_rad, err);
         if (result < 0)
             return result;
@@ -394,10 +391,11 @@ static mrt_result init_ball(bones *b, uint32_t bone, error *err)
 static mrt_result init_seal(bones *b, error *err)
 {
     if (b->dof_count == MRT_MAX_DOFS)
-        return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "$.mouth: the bones have %d degrees of freedom, and " RIG_LIPS_SEAL
-                         " is one more than there may be: leave out some turns",
-                         MRT_MAX_DOFS);
+        return error_set(
+            err, MRT_ERR_UNSUPPORTED,
+            "$.mouth: the bones already have all %d degrees of freedom, and " RIG_LIPS_SEAL
+            " needs one more; remove some turns",
+            MRT_MAX_DOFS);
     b->seal = b->dof_count++;
     b->dof[b->seal] =
         (bones_dof){.name = RIG_LIPS_SEAL, .unit = "", .min = 0.0f, .max = 1.0f, .bone = RIG_NONE};
@@ -421,9 +419,10 @@ static mrt_result init_order(bones *b, error *err)
         }
     for (uint32_t bone = 0; bone < b->bone_count; ++bone)
         if (!placed[bone])
-            return error_set(err, MRT_ERR_FORMAT,
-                             "bone %s: it rides on itself through its parents: name another parent",
-                             b->rig->bone[bone].name);
+            return error_set(
+                err, MRT_ERR_FORMAT,
+                "bone %s: it is its own parent through other bones; choose another parent",
+                b->rig->bone[bone].name);
     return MRT_OK;
 }
 

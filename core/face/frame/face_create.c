@@ -190,7 +190,8 @@ static mrt_result create_columns(face *f, error *err)
     uint64_t capacity =
         (uint64_t)each * f->control_capacity + FACE_POSE_COLUMNS * moving + f->shape_column_count;
     if (capacity > COLUMNS_CAPACITY)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%u controls on %u bones are too many",
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "%u controls on %u bones are too many; use fewer controls",
                          f->control_capacity, f->bone_count);
     mrt_result result = columns_create(&f->columns, &f->rest, (uint32_t)capacity, err);
     if (result >= 0)

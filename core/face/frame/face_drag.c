@@ -47,12 +47,12 @@ static mrt_result check_way(const face *f, const double *from, const double *to,
                             error *err)
 {
     if (count > f->control_capacity)
-        return error_set(err, MRT_ERR_ARGUMENT, "%u controls: the face has room for %u", count,
+        return error_set(err, MRT_ERR_ARGUMENT, "%u controls: the face has room for only %u", count,
                          f->control_capacity);
     for (size_t i = 0; i < (size_t)3 * count; ++i)
         if (!(fabs(from[i]) <= (double)POINTS_REACH && fabs(to[i]) <= (double)POINTS_REACH))
             return error_set(err, MRT_ERR_ARGUMENT,
-                             "control %u: its way from %g to %g is not within +-%g",
+                             "control %u: moves from %g to %g, which is not within +-%g",
                              (uint32_t)(i / 3), from[i], to[i], (double)POINTS_REACH);
     return MRT_OK;
 }

@@ -8,9 +8,9 @@ static mrt_result check_controls(const face *f, const face_control *control, uin
 {
     if (!points_are_usable(&f->shown))
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "the shape has left +-%g: reset it before engaging", (double)POINTS_REACH);
+                         "the shape has moved beyond +-%g; reset it first", (double)POINTS_REACH);
     if (count > f->control_capacity)
-        return error_set(err, MRT_ERR_ARGUMENT, "%u controls: the face has room for %u", count,
+        return error_set(err, MRT_ERR_ARGUMENT, "%u controls: the face has room for only %u", count,
                          f->control_capacity);
     for (uint32_t k = 0; k < count; ++k) {
         vec3 at = control[k].start;
@@ -20,7 +20,8 @@ static mrt_result check_controls(const face *f, const face_control *control, uin
                              "control %u: its start (%g, %g, %g) is not within +-%g", k, at.x, at.y,
                              at.z, (double)POINTS_REACH);
         if (control[k].contact > f->contact_count)
-            return error_set(err, MRT_ERR_ARGUMENT, "control %u: contact %u: the face has %u", k,
+            return error_set(err, MRT_ERR_ARGUMENT,
+                             "control %u: has contact %u, but the face has only %u", k,
                              control[k].contact, f->contact_count);
     }
     return MRT_OK;

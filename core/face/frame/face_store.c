@@ -227,7 +227,7 @@ mrt_result face_load(face *f, const void *bytes, size_t size, error *err)
     rigid pose[RIG_BONES_MAX];
     face_reset(f);
     if (!is_of_this_face(&in, f))
-        return error_set(err, MRT_ERR_FORMAT, "the stored state is not of this face");
+        return error_set(err, MRT_ERR_FORMAT, "the stored state belongs to another face");
     for (uint32_t i = 0; i < f->bones.dof_count; ++i)
         dof[i] = take_single(&in);
     take_shape_weights(&in, f);

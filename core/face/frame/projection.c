@@ -497,9 +497,7 @@ static mrt_result check_proxy(const rig *r, uint32_t proxy, error *err)
     if (sound)
         return MRT_OK;
     return error_set(err, MRT_ERR_FORMAT,
-                     "skull_proxy %u: expected an ellipsoid on a bone with radii of at least "
-                     "0.001 mm",
-                     proxy);
+                     "skull_proxy %u: expected a bone and radii of at least 0.001 mm", proxy);
 }
 
 mrt_result projection_create(projection *out, const rig *r, const points *rest,
@@ -509,7 +507,8 @@ mrt_result projection_create(projection *out, const rig *r, const points *rest,
     if (!r || r->proxy_count == 0)
         return MRT_OK;
     if (r->proxy_count > PROJECTION_PROXIES_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%u skull proxies: at most %d are possible",
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "the rig has %u skull proxies, but at most %d are supported",
                          r->proxy_count, PROJECTION_PROXIES_MAX);
     rigid still[RIG_BONES_MAX];
     for (int b = 0; b < RIG_BONES_MAX; ++b)

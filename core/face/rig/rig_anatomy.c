@@ -673,8 +673,7 @@ static mrt_result find_face(rig_anatomy *a, const mesh *m, error *err)
         return no_memory(err);
     if (a->face == a->piece_count)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "no profile of a face is found in the mesh: there is no surface that "
-                         "faces +z");
+                         "no profile of a face was found in the mesh: no surface faces +z");
     for (uint32_t v = 0; v < m->vertex_count; ++v)
         a->is_face[v] = a->is_head[v] && a->of_vertex[v] == a->face;
     a->piece[a->face].kind = PIECE_FACE;

@@ -518,7 +518,7 @@ static void measure_profile(rig_head *out, profile p[3], const mesh *m, const ui
 
 mrt_result rig_head_measure(rig_head *out, const mesh *m, const uint8_t *is_face, error *err)
 {
-    static const char refusal[] = "no profile of a face is found in the mesh: it must look along "
+    static const char refusal[] = "no profile of a face was found in the mesh: it must look along "
                                   "+z, with +y up, and have a nose and a chin";
     bounds box = {{0, 0, 0}, {0, 0, 0}};
     *out = (rig_head){0};

@@ -352,7 +352,7 @@ static bool find_first(neck *out, finding *f)
         if (find_neck(out, f, head->middle_x + (beside[i] + 1e-4) * f->half_mm,
                       head->mouth_y + h.above, head->mouth_y - h.below, pocket_least * f->reach_mm))
             return true;
-    return refuse(f, "the surface leads straight from the upper lip to the lower one");
+    return refuse(f, "the surface is closed between the upper lip and the lower one");
 }
 
 /* Appends necks from one on until the corner. Returns how many. */
@@ -566,9 +566,9 @@ static mrt_result find_rims(rig_mouth *out, finding *f, error *err)
                 off_mm = fmax(off_mm, f->off[lip][(*rim[lip])[i]]);
         if (*count[lip] < RIG_RIM_LEAST || *count[lip] == RIG_RIM_MOST ||
             off_mm > off_most * f->width_mm) {
-            (void)refuse(f,
-                         "no edges of the mesh follow the %s lip closely: it is too coarse there",
-                         lip_name[lip]);
+            (void)refuse(
+                f, "the mesh is too coarse at the %s lip: its edges do not follow the lip closely",
+                lip_name[lip]);
             return MRT_OK;
         }
     }

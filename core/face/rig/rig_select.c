@@ -211,9 +211,10 @@ static mrt_result select_vertices(float *out, const rig_select *select, selectin
     memset(s->cover, 0, ((size_t)vertex_count + 1) * sizeof *s->cover);
     for (uint32_t i = 0; i < select->range_count; ++i) {
         if (select->last[i] >= vertex_count)
-            return error_set(err, MRT_ERR_ARGUMENT,
-                             "%s.vertices[%u]: vertex %u of a mesh of %u vertices; choose again",
-                             path_of(select), i, select->last[i], vertex_count);
+            return error_set(
+                err, MRT_ERR_ARGUMENT,
+                "%s.vertices[%u]: vertex %u does not exist, the mesh has %u vertices; choose again",
+                path_of(select), i, select->last[i], vertex_count);
         s->cover[select->first[i]] += 1;
         s->cover[select->last[i] + 1] -= 1;
     }
@@ -230,8 +231,8 @@ static mrt_result select_painted(float *out, const rig_select *select, const mes
     for (uint32_t i = 0; i < select->range_count; ++i) {
         if (select->last[i] >= m->vertex_count)
             return error_set(err, MRT_ERR_ARGUMENT,
-                             "%s.painted: \"%s\" is painted at vertex %u of a mesh of %u vertices; "
-                             "use the mesh it was painted on, or paint again",
+                             "%s.painted: \"%s\" is painted at vertex %u, but the mesh has %u "
+                             "vertices; use the mesh that was painted, or paint again",
                              path_of(select), select->name, select->last[i], m->vertex_count);
         for (uint32_t v = select->first[i]; v <= select->last[i]; ++v)
             out[v] = (float)select->value[i] / 255.0f;
@@ -299,8 +300,8 @@ static mrt_result select_attribute(float *out, const rig_select *select, const m
     for (uint32_t i = 0; i < m->attribute_count; ++i)
         list_name(list, m->attribute[i].name);
     return error_set(err, MRT_ERR_ARGUMENT,
-                     "%s.attribute: the mesh has no vertex attribute \"%s\" (it has: %s); glTF "
-                     "files carry painted weights under names that begin with _",
+                     "%s.attribute: the mesh has no vertex attribute \"%s\" (it has: %s); in glTF "
+                     "files the names of painted weights begin with _",
                      path_of(select), select->name, list[0] ? list : "none");
 }
 
@@ -336,9 +337,10 @@ static mrt_result select_within(float *out, const rig_select *select, selecting 
     enum { STEPS_PER_VERTEX = 32 };
     const mesh *m = s->m;
     if (select->vertex >= m->vertex_count)
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s.within.of: vertex %u of a mesh of %u vertices; choose again",
-                         path_of(select), select->vertex, m->vertex_count);
+        return error_set(
+            err, MRT_ERR_ARGUMENT,
+            "%s.within.of: vertex %u does not exist, the mesh has %u vertices; choose again",
+            path_of(select), select->vertex, m->vertex_count);
     if (!s->distance) {
         s->distance = malloc(((size_t)m->vertex_count + 1) * sizeof *s->distance);
         if (!s->distance || !walk_init(&s->walk, m, s->t, s->distance, 1))
@@ -373,7 +375,7 @@ static mrt_result select_joint(float *out, const rig_select *select, selecting *
         for (uint32_t i = 0; i < m->joint_count; ++i)
             list_name(list, m->joint[i].name);
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s.joint: the mesh has no skin on a joint \"%s\"; it has: %s",
+                         "%s.joint: no vertex of the mesh is skinned to a joint \"%s\"; it has: %s",
                          path_of(select), select->name, list[0] ? list : "none");
     }
     uint8_t *is_below = calloc((size_t)m->joint_count + 1, 1);
@@ -436,9 +438,10 @@ static mrt_result select_piece(float *out, const rig_select *select, selecting *
 {
     const uint32_t count = s->m->vertex_count;
     if (select->vertex >= count)
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s.piece: vertex %u of a mesh of %u vertices; choose again",
-                         path_of(select), select->vertex, count);
+        return error_set(
+            err, MRT_ERR_ARGUMENT,
+            "%s.piece: vertex %u does not exist, the mesh has %u vertices; choose again",
+            path_of(select), select->vertex, count);
     mrt_result result = find_pieces(s, err);
     for (uint32_t v = 0; result >= 0 && v < count; ++v)
         out[v] = s->piece[v] == s->piece[select->vertex] ? 1.0f : 0.0f;
@@ -584,8 +587,8 @@ static mrt_result refuse_overlap(const marking *k, uint32_t region, uint32_t ver
     json_path a = rig_entry_path(k->r, RIG_REGIONS, first),
               b = rig_entry_path(k->r, RIG_REGIONS, region);
     return error_set(err, MRT_ERR_ARGUMENT,
-                     "%s: overlaps %s: vertex %u would be rigid on \"%s\" and on \"%s\"; take it "
-                     "out of one of them",
+                     "%s: overlaps %s: vertex %u would be rigid on \"%s\" and on \"%s\"; remove it "
+                     "from one of them",
                      b.text, a.text, vertex, k->r->bone[k->r->region[region].bone].name,
                      k->r->bone[k->r->region[first].bone].name);
 }
@@ -647,7 +650,7 @@ static mrt_result check_bones_have_vertices(const marking *k, error *err)
         json_path path = rig_entry_path(k->r, RIG_BONES, b);
         return error_set(err, MRT_ERR_ARGUMENT,
                          "%s: no vertex belongs to the bone \"%s\"; add a region for it to "
-                         "$.regions, or take the bone out",
+                         "$.regions, or remove the bone",
                          path.text, k->r->bone[b].name);
     }
     return MRT_OK;
@@ -657,16 +660,17 @@ static mrt_result check_vertices(const rig *r, const mesh *m, error *err)
 {
     if (r->mesh_vertex_count != 0 && r->mesh_vertex_count != m->vertex_count)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "$.mesh_vertices: the rig was made for a mesh of %u vertices, this one "
-                         "has %u; use that mesh again, or draft a rig with marotte rig new",
+                         "$.mesh_vertices: the rig was made for a mesh of %u vertices, but this "
+                         "one has %u; use that mesh, or draft a rig with marotte rig new",
                          r->mesh_vertex_count, m->vertex_count);
     for (uint32_t i = 0; i < r->contact_count; ++i) {
         if (r->contact[i].vertex < m->vertex_count)
             continue;
         json_path path = rig_entry_path(r, RIG_CONTACTS, i);
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s.vertex: vertex %u of a mesh of %u vertices; choose again", path.text,
-                         r->contact[i].vertex, m->vertex_count);
+        return error_set(
+            err, MRT_ERR_ARGUMENT,
+            "%s.vertex: vertex %u does not exist, the mesh has %u vertices; choose again",
+            path.text, r->contact[i].vertex, m->vertex_count);
     }
     return MRT_OK;
 }

@@ -579,8 +579,8 @@ static mrt_result set_contact_positions(binding *out, const rig *r, const mesh *
         uint32_t vertex = r->contact[c].vertex;
         if (vertex >= m->vertex_count)
             return error_set(err, MRT_ERR_ARGUMENT,
-                             "%s: $.contacts[%u].vertex: %u, but the mesh has %u vertices: choose "
-                             "another vertex for \"%s\"",
+                             "%s: $.contacts[%u].vertex: %u does not exist, the mesh has %u "
+                             "vertices; choose another vertex for \"%s\"",
                              r->path != NULL ? r->path : "rig", c, vertex, m->vertex_count,
                              r->contact[c].name);
         out->contact_position[c] = mesh_position(m, vertex);

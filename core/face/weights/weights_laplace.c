@@ -280,7 +280,7 @@ static mrt_result failed(const fill *f, error *err)
         return error_set(err, MRT_ERR_MEMORY, "no memory to fill weights over %u vertices",
                          f->free_count);
     return error_set(err, MRT_ERR_ARGUMENT,
-                     "the weights cannot be filled over the surface (%u free vertices): look for "
+                     "cannot fill the weights over the surface (%u free vertices); check for "
                      "degenerate triangles, or mark more vertices",
                      f->free_count);
 }
@@ -345,8 +345,8 @@ static mrt_result solve(const laplace *l, fill_kind kind, float *value, uint32_t
     start_cholmod(&f.common);
     if (f.free_count > LAPLACE_FREE_MOST)
         result = error_set(err, MRT_ERR_UNSUPPORTED,
-                           "%u vertices without a mark are more than the %u that weights can be "
-                           "filled over: mark what is rigid, or use a coarser mesh",
+                           "%u vertices have no mark, but weights can be filled over at most %u; "
+                           "mark rigid parts, or use a coarser mesh",
                            f.free_count, LAPLACE_FREE_MOST);
     if (result == MRT_OK)
         result = factor_system(&f, err);

@@ -42,8 +42,8 @@ static bool check_vertices(bind_lips *out, const rim *of, const mesh *m)
 {
     for (uint32_t i = 0; i < of->count; ++i)
         if (of->vertex[i] >= m->vertex_count)
-            return refuse(out, "%s[%u]: vertex %u, but the mesh has %u vertices", of->key, i,
-                          of->vertex[i], m->vertex_count);
+            return refuse(out, "%s[%u]: vertex %u does not exist, the mesh has %u vertices",
+                          of->key, i, of->vertex[i], m->vertex_count);
     return true;
 }
 
@@ -56,8 +56,8 @@ static bool check_doubled(bind_lips *out, const rim *a, const rim *b, const mesh
                 a != b && ((i == 0 && j == 0) || (i == a->count - 1 && j == b->count - 1));
             if (!is_end && mesh_point(m, a->vertex[i]) == mesh_point(m, b->vertex[j]))
                 return refuse(out,
-                              "%s[%u] and %s[%u] are one point: a rim goes once "
-                              "from corner to corner",
+                              "%s[%u] and %s[%u] are the same point; a rim must lead once from "
+                              "corner to corner",
                               a->key, i, b->key, j);
         }
     return true;
@@ -72,8 +72,8 @@ static mrt_result check_piece(bind_lips *out, const rim *of, const rim *upper, c
     for (uint32_t i = 0; result >= 0 && *out_is_good && i < of->count; ++i)
         if (piece[of->vertex[i]] != piece[upper->vertex[0]])
             *out_is_good = refuse(out,
-                                  "%s[%u]: vertex %u is on another piece of surface than "
-                                  "upper[0]: both rims belong to one",
+                                  "%s[%u]: vertex %u is on another piece of surface than upper[0]; "
+                                  "both rims must be on one piece",
                                   of->key, i, of->vertex[i]);
     free(piece);
     return result;
@@ -99,15 +99,15 @@ static bool find_axes(bind_lips *out, const rim *upper, const rim *lower, const 
     double longer = fmax(length_of(m, upper), length_of(m, lower));
     if (!(out->width_mm > straight_least * longer))
         return refuse(out,
-                      "the rims are a ring, %.1f mm long with their ends %.1f mm apart: "
-                      "a rim goes from one corner of the mouth to the other",
+                      "the rims form a ring, %.1f mm long with ends %.1f mm apart; a rim must lead "
+                      "from one corner of the mouth to the other",
                       longer, out->width_mm);
     out->across = vec3_scale(way, 1.0 / out->width_mm);
     vec3 up = {0.0, 1.0, 0.0};
     up = vec3_sub(up, vec3_scale(out->across, out->across.y));
     if (!(out->across.x > 0.5))
-        return refuse(out, "the rims do not go from the subject's right corner (x < 0) to the "
-                           "left one: turn their lists around");
+        return refuse(out, "the rims do not lead from the subject's right corner (x < 0) to the "
+                           "left one; reverse their lists");
     out->up = vec3_normalised(up, (vec3){0, 1, 0});
     for (int end = 0; end < 2; ++end) {
         vec3 a = at_vertex(m, upper, end ? upper->count - 1 : 0);
@@ -115,8 +115,8 @@ static bool find_axes(bind_lips *out, const rim *upper, const rim *lower, const 
         double apart = vec3_length(vec3_sub(a, b));
         if (apart > ends_apart * out->width_mm)
             return refuse(out,
-                          "the %s ends of the rims are %.1f mm apart: both end at the "
-                          "corner of the mouth",
+                          "the %s ends of the rims are %.1f mm apart; both must end at the corner "
+                          "of the mouth",
                           end ? "left" : "right", apart);
     }
     return true;
@@ -167,8 +167,8 @@ static bool pair_rims(bind_lips *out, const rim *upper, const rim *lower, const 
         double open = vec3_dot(gap, out->up);
         if (open < -crossed_most * out->width_mm)
             return refuse(out,
-                          "the upper rim is %.1f mm below the lower one, %.0f %% of the "
-                          "way along the slit: the rims cross, or are exchanged",
+                          "the upper rim is %.1f mm below the lower one, %.0f %% of the way along "
+                          "the slit; the rims cross, or are exchanged",
                           -open, 100.0 * part);
     }
     out->station_count = count;
