@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a fit that folds is tried again with; the first is only against singular systems. */
+/* Ridges that are tried in turn until the fit does not fold. The first one only guards against
+ * singular systems. */
 static const double ridges[] = {1e-5, 1e-3, 1e-2, 0.1, 1};
 enum { RIDGE_COUNT = sizeof ridges / sizeof ridges[0] };
 
@@ -14,7 +15,7 @@ typedef struct fitting {
     const rig *rig;
     const mesh *mesh, *targets;
     const fit_options *options;
-    uint32_t *vertex;  /* contact_count */
+    uint32_t *vertex;  /* contact_count: vertices of the contacts */
     uint8_t *is_skin;  /* vertex_count */
     uint8_t *is_still; /* vertex_count: rigid on a bone that never moves */
     float *shown;      /* vertex_count by 3 */
@@ -46,7 +47,7 @@ static mrt_result check(const rig *r, const mesh *m, const mesh *targets,
     return MRT_OK;
 }
 
-/* Skin: what is not rigid and can be pulled. */
+/* Marks the skin: vertices that are not rigid and can be pulled. */
 static mrt_result find_skin(fitting *f, const binding *b, const topology *t, error *err)
 {
     bind_marks marks = {0};
@@ -109,7 +110,7 @@ static void finish(fitting *f)
     free(f->shown);
 }
 
-/* ---- what came out ---- */
+/* ---- results ---- */
 
 typedef struct distance {
     double relative, worst_mm, still_mm;
@@ -125,8 +126,8 @@ static double length_of(const float *a, const float *b, const float *offset)
     return sqrt(sum);
 }
 
-/* Of the shape in f->shown to the target. A target that moves no skin: 0 when nothing else moves
- * it either, else infinite. */
+/* Measures the distance of the shape in f->shown from the target. A target that moves no skin has
+ * relative error 0 if nothing moved, else infinity. */
 static distance measure(const fitting *f, const mesh_target *target)
 {
     distance out = {0, 0, 0};
@@ -173,7 +174,7 @@ static mrt_result fit_paper(fitting *f, fit_result *out, uint32_t target, error 
     return MRT_OK;
 }
 
-/* A fit that folds is no face: the pulls are held back until it does not. */
+/* Fits with the rig. A fit that folds is not a face, so the ridge grows until it does not fold. */
 static mrt_result fit_rigged(fitting *f, fit_result *out, uint32_t target, error *err)
 {
     for (int attempt = 0; attempt < RIDGE_COUNT; attempt++) {

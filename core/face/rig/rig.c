@@ -201,7 +201,8 @@ uint64_t rig_mesh_hash(uint32_t vertex_count, const uint32_t *triangle, uint32_t
 
 /* ---- copies ---- */
 
-/* All of `capacity`, those beyond `count` zeroed: rigs have room for more bones than they have. */
+/* Copies `count` items into an array of `capacity`, with the rest zeroed. Rigs allocate room for
+ * more bones than they have. */
 static void *copy_roomy(copying *c, const void *from, size_t count, size_t capacity,
                         size_t item_size)
 {

@@ -16,10 +16,10 @@
 enum { NOTE_CAP = 8192, LINE_TEXT = 512 };
 static const double coordinate_cap = 1e6;
 
-/* About how many bytes the values of a text take once they are parsed. */
+/* Estimates the memory, in bytes, of the parsed values of a text. */
 static size_t rig_json_memory(const void *data, size_t size)
 {
-    enum { OBJECT_BYTES = 256, ARRAY_BYTES = 128, VALUE_BYTES = 64 }; /* of jansson 2.14 */
+    enum { OBJECT_BYTES = 256, ARRAY_BYTES = 128, VALUE_BYTES = 64 }; /* sizes in jansson 2.14 */
     const char *text = data;
     size_t out = VALUE_BYTES;
     bool is_quoted = false;
@@ -106,7 +106,7 @@ void rig_note(char **note, const char *format, ...)
         return;
     char *grown = realloc(*note, old + added + 2);
     if (!grown)
-        return; /* a note is never worth a failure */
+        return; /* a note that cannot be added is dropped */
     memcpy(grown + old, line, added);
     memcpy(grown + old + added, "\n", 2);
     *note = grown;
@@ -120,9 +120,9 @@ const char *const rig_section_key[RIG_SECTIONS] = {"bones",       "regions", "co
                                                    "skull_proxy", "poses",   "contact_sets"};
 static const uint32_t section_cap[RIG_SECTIONS] = {RIG_BONES_MAX, 1024, 1024, 64, 1024, 64};
 
-typedef struct loading { /* the files being read, outermost first */
+typedef struct loading { /* files being read, outermost first */
     rig_document *document;
-    const char *folder; /* as of rig_document_read */
+    const char *folder; /* as in rig_document_read */
     const char *path[RIG_INCLUDE_DEPTH_MAX + 1];
     uint32_t depth;
 } loading;
@@ -172,8 +172,8 @@ static mrt_result read_unit(rig_file *file, const json_node *root, error *err)
                                    : json_node_unexpected(err, &unit, "\"mm\", \"cm\" or \"m\"");
 }
 
-/* Takes `root` over, whatever it returns. `shown` names an included file in messages; NULL: the
- * rig itself. */
+/* Takes ownership of `root`, also on error. `shown` names an included file in messages; NULL for
+ * the rig itself. */
 static mrt_result add_file(rig_document *d, const char *path, const char *real_path, json_t *root,
                            const char *shown, error *err)
 {
@@ -328,7 +328,7 @@ static mrt_result load_file(loading *l, const char *path, const char *shown, err
 
 /* ---- entries ---- */
 
-/* A later file's entry takes the place of an earlier file's of the same name. */
+/* An entry of a later file replaces an entry of the same name from an earlier file. */
 static mrt_result add_entry(rig_document *d, rig_section section, const rig_entry *entry,
                             error *err)
 {
@@ -409,7 +409,7 @@ static mrt_result collect_section(rig_document *d, rig_section section, error *e
     return result;
 }
 
-/* A file without a unit takes that of the rig: the last that is said, else mm. */
+/* A file without a unit uses that of the rig: the last unit that a file sets, else mm. */
 static void settle_units(rig_document *d)
 {
     double unit = 1.0;
@@ -432,7 +432,7 @@ static mrt_result collect(rig_document *d, error *err)
 
 /* ---- reading and freeing ---- */
 
-/* The entries of what was read with this result; on an error it is freed. */
+/* Collects the entries if reading succeeded. On an error frees the document. */
 static mrt_result finish_reading(rig_document **out, mrt_result result, error *err)
 {
     if (result >= 0)
@@ -515,9 +515,10 @@ json_node rig_document_paint(const rig_document *d, const char *name, uint32_t *
     return (json_node){NULL, {"$.paints"}};
 }
 
-/* ---- which entry is which ---- */
+/* ---- entries of the rig and of the file ---- */
 
-/* By which an entry is found again; NULL: it knows its source, or only its index. */
+/* Returns the name that identifies an entry, or NULL for entries that store their source or have
+ * only an index. */
 static const char *matched_name(const rig *r, rig_section section, uint32_t index)
 {
     switch (section) {

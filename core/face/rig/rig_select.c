@@ -18,12 +18,12 @@ static mrt_result no_memory(error *err)
 
 /* ---- distances along the surface (Dijkstra 1959) ---- */
 
-typedef struct waiting { /* to be visited */
+typedef struct waiting { /* a vertex to visit */
     double distance;
     uint32_t vertex;
 } waiting;
 
-typedef struct heap { /* the nearest first; ties by vertex */
+typedef struct heap { /* nearest item first; ties by vertex */
     waiting *item;
     size_t count;
 } heap;
@@ -71,12 +71,12 @@ static double edge_length(const mesh *m, uint32_t a, uint32_t b)
     return sqrt(x * x + y * y + z * z);
 }
 
-typedef struct walk { /* as often as wanted: each costs what it reaches */
+typedef struct walk { /* reusable; a walk costs only what it reaches */
     const mesh *m;
     const topology *t;
     heap h;
-    double *distance;  /* vertex_count; infinite where it has not been */
-    uint32_t *reached; /* where it has been */
+    double *distance;  /* vertex_count; infinite for vertices not reached */
+    uint32_t *reached; /* the vertices reached */
     size_t reached_count;
 } walk;
 
@@ -99,7 +99,7 @@ static void walk_finish(walk *w)
     free(w->reached);
 }
 
-/* A nearer way to a vertex, if it is one. */
+/* Stores a distance if it is shorter than the known one. */
 static void reach(walk *w, uint32_t vertex, double distance, double reach_mm)
 {
     if (distance > reach_mm || !(distance < w->distance[vertex]))
@@ -153,10 +153,11 @@ typedef struct selecting {
     const mesh *m;
     const topology *t;
     budget budget;
-    walk walk; /* made when the first selector needs it */
+    walk walk; /* created for the first selector that needs it */
     double *distance;
-    int32_t *cover; /* vertex_count + 1: how many ranges begin less how many have ended */
-    uint32_t *piece, piece_count; /* vertex_count, likewise; the last is of no surface */
+    int32_t *cover; /* vertex_count + 1: number of ranges that begin minus those that have ended */
+    uint32_t *piece, piece_count; /* piece: vertex_count, created likewise; the index piece_count
+                                     means no surface */
 } selecting;
 
 static selecting selecting_on(const mesh *m, const topology *t)
@@ -186,7 +187,7 @@ static mrt_result pay(selecting *s, const rig_select *select, uint64_t steps, er
     return result;
 }
 
-/* A point of which one vertex is selected is selected. */
+/* Selects all vertices of a point if one of them is selected. */
 static void spread(float *out, const mesh *m)
 {
     for (uint32_t v = 0; m->point && v < m->vertex_count; ++v)
@@ -197,7 +198,7 @@ static void spread(float *out, const mesh *m)
 
 /* ---- by number ---- */
 
-/* Ranges may overlap as often as they like: each costs its two ends. */
+/* Ranges may overlap often, since each costs only its two ends. */
 static mrt_result select_vertices(float *out, const rig_select *select, selecting *s, error *err)
 {
     const uint32_t vertex_count = s->m->vertex_count;
@@ -393,7 +394,7 @@ static mrt_result select_joint(float *out, const rig_select *select, selecting *
     return pay(s, select, m->vertex_count, err);
 }
 
-/* ---- joined ---- */
+/* ---- combined ---- */
 
 static mrt_result select_one(float *out, const rig_select *select, selecting *s, error *err);
 
@@ -465,7 +466,8 @@ static mrt_result select_pieces_inside(float *out, const rig_select *select, sel
     return result;
 }
 
-/* One that names vertices, not a region of space. */
+/* Evaluates a selector that names vertices. The others name a region of space or combine
+ * selectors. */
 static mrt_result select_by_vertex(float *out, const rig_select *select, selecting *s, error *err)
 {
     const mesh *m = s->m;
@@ -545,15 +547,15 @@ mrt_result bind_select(float *out, const rig_select *select, const mesh *m, cons
     return result;
 }
 
-/* ---- marks: what the regions say ---- */
+/* ---- marks set by the regions ---- */
 
 typedef struct marking {
     bind_marks *marks;
     const rig *r;
     const mesh *m;
     selecting selecting;
-    float *selected;        /* vertex_count: the region's own weights */
-    uint32_t *rigid_region; /* vertex_count: which region made it rigid */
+    float *selected;        /* vertex_count: weights of the current region */
+    uint32_t *rigid_region; /* vertex_count: region that made the vertex rigid */
 } marking;
 
 static float *weight_at(const marking *k, uint32_t bone, uint32_t vertex)
@@ -561,8 +563,8 @@ static float *weight_at(const marking *k, uint32_t bone, uint32_t vertex)
     return &k->marks->weight[(size_t)bone * k->m->vertex_count + vertex];
 }
 
-/* Others keep their shares as far as there is room beside the new one; a whole share leaves
- * nothing open. */
+/* Sets a weight. Other bones keep their shares as far as there is room beside the new one. A share
+ * of 1 sets all others to 0. */
 static void mark_weight(const marking *k, uint32_t vertex, uint32_t bone, float weight)
 {
     float others = 0.0f, room = 1.0f - weight;
