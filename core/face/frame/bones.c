@@ -5,19 +5,21 @@
 #include <math.h>
 #include <stdio.h>
 
-static const double soft_part = 0.15;       /* of a limit: where it begins to be felt */
+static const double soft_part = 0.15;       /* of a limit: the range where it takes effect */
 static const double narrowed_to = 0.4;      /* of the lateral and forward limits at full opening */
 static const double slide_begins_mm = 20.0; /* incisor gap */
 static const double slide_ends_mm = 45.0;
-static const double guidance = 0.4;        /* mm down for each mm aside, teeth together */
+static const double guidance = 0.4;        /* mm down per mm aside, with the teeth together */
 static const double guidance_ends_mm = 12; /* incisor gap */
-static const double depth_least = 0.3;     /* of the arm: a jaw that hangs down does not spin */
-static const double side_mm = 2.0;         /* lateral motion that brings its centre to a condyle */
+static const double depth_least =
+    0.3;                           /* of the arm: bounds the rotation of a jaw that hangs down */
+static const double side_mm = 2.0; /* lateral motion at which its centre approaches a condyle */
 static const vec3 condyle_path = {0.0, -0.55, 0.83};
 
 /* ---- limits ---- */
 
-/* 0 .. limit, limit >= 0. From 85 % on: the cubic with slope 1 there and 0 at the limit. */
+/* Limits a value to 0 .. limit, limit >= 0. From 85 % on uses a cubic with slope 1 there and 0 at
+ * the limit. */
 static double soft_side(double value, double limit)
 {
     double width = soft_part * limit, from = limit - width;
@@ -35,7 +37,7 @@ double bones_soft_limit(double value, double min, double max)
     return value < 0.0 ? -soft_side(-value, -min) : soft_side(value, max);
 }
 
-/* Bisection: the cubic is flat at its end. */
+/* Uses bisection, since the cubic is flat at its end. */
 static double soft_side_inverse(double limited, double limit)
 {
     double width = soft_part * limit, low = limit - width, high = limit;
@@ -64,7 +66,7 @@ double bones_followed(double limited, double by_rad, double min, double max)
         return limited;
     double part = limited > 0.0 ? limited / max : 0.0;
     double fade = part < 1.0 ? (1.0 - part) * (1.0 - part) * (1.0 + 2.0 * part) : 0.0;
-    /* up to half the way: from there on it would go back while `limited` grows */
+    /* at most half the range: beyond, the result would decrease while `limited` grows */
     if (by_rad > 0.0)
         return limited + fade * soft_side(by_rad, 0.5 * max);
     return limited - soft_side(-by_rad * fade, limited - min);
@@ -98,8 +100,8 @@ static double smoothstep(double low, double high, double x)
     return t * t * (3.0 - 2.0 * t);
 }
 
-/* The rotation by which a point `depth` before an upright axis and `side` beside it goes `way`
- * aside: depth sin a + side (1 - cos a) = way, by Newton's method. */
+/* Returns the rotation that moves a point by `way` sideways. The point is `depth` in front of an
+ * upright axis and `side` beside it: depth sin a + side (1 - cos a) = way, by Newton's method. */
 static double lateral_angle(double depth, double side, double way)
 {
     double angle = way / depth;
@@ -111,7 +113,7 @@ static double lateral_angle(double depth, double side, double way)
     return angle;
 }
 
-/* The working condyle stays, the other one goes forward; smooth and symmetric about 0. */
+/* The condyle of one side stays and the other one moves forward. Smooth and symmetric about 0. */
 rigid bones_aside(const bones *b, double lateral_mm, double turn_rad)
 {
     const bones_hinge *h = &b->hinge;
@@ -137,7 +139,7 @@ double bones_slide(const bones *b, double open_rad)
     return b->rig->bone[b->jaw].slide_mm * smoothstep(slide_begins_mm, slide_ends_mm, gap);
 }
 
-/* Smooth where the jaw begins to go aside: 1 mm rounds the corner. */
+/* Smooth where the lateral motion begins: 1 mm rounds the corner. */
 double bones_guided_opening(const bones *b, double open_rad, double lateral_mm)
 {
     double down_mm = guidance * (sqrt(lateral_mm * lateral_mm + 1.0) - 1.0);
@@ -164,7 +166,7 @@ static double value_of(const float *dof, uint32_t at)
     return isnan(value) ? 0.0 : value;
 }
 
-/* The jaw's dofs, limited: open rad, lateral mm, forward mm. */
+/* Limits the jaw's dofs: open rad, lateral mm, forward mm. */
 static void limit_jaw(double out[3], const bones *b, const float *dof)
 {
     const rig_bone *jaw = &b->rig->bone[b->jaw];
@@ -268,7 +270,7 @@ void bones_pose(rigid *out, const bones *b, const float *dof)
     }
 }
 
-/* ---- made from a rig ---- */
+/* ---- creation from a rig ---- */
 
 static bool is_finite(vec3 v)
 {
@@ -402,7 +404,7 @@ static mrt_result init_seal(bones *b, error *err)
     return MRT_OK;
 }
 
-/* Parents before their children. */
+/* Orders the bones with parents before their children. */
 static mrt_result init_order(bones *b, error *err)
 {
     bool placed[RIG_BONES_MAX] = {false};

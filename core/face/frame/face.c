@@ -6,7 +6,7 @@
 
 /* ---- columns of the bones ---- */
 
-/* w (x - c) for one axis, in one block. */
+/* Computes w (x - c) for one axis in one block. */
 static void fill_block(float *restrict out, const float *restrict weight, const float *restrict x,
                        double centre)
 {
@@ -14,8 +14,8 @@ static void fill_block(float *restrict out, const float *restrict weight, const 
         out[i] = (float)((double)weight[i] * ((double)x[i] - centre));
 }
 
-/* The four columns of a bone where it carries vertices: w (x - c) along each axis, and w. wanted:
- * the blocks to fill; NULL: all. */
+/* Fills the four columns of a bone where it carries vertices: w (x - c) along each axis, and w.
+ * wanted: the blocks to fill; NULL: all. */
 static void fill_carried(face *f, const face_field *field, const uint8_t *wanted)
 {
     float *row[FACE_POSE_COLUMNS];
@@ -46,10 +46,10 @@ void face_pose_columns(face *f)
             continue;
         field->pose_column = column;
         column += FACE_POSE_COLUMNS;
-        if (!is_noted) /* where a bone has vertices does not change */
+        if (!is_noted) /* the vertices of a bone do not change */
             memset(columns_row(&f->columns, field->pose_column), 0,
                    FACE_POSE_COLUMNS * f->columns.stride * sizeof(float));
-        /* where the origin has changed since they were filled the shape shown is stale too */
+        /* if the origin has changed since they were filled, the shape shown is stale, too */
         fill_carried(f, field, is_noted ? f->blocks.is_stale : NULL);
     }
     if (!is_pose_alone)
@@ -103,7 +103,7 @@ bool face_is_posed(const face *f)
     return false;
 }
 
-/* What the controls add to a block of the shape shown, carried back through the bones' motion. */
+/* Carries the controls' displacement in a block back through the bones' motion. */
 static void unpose_block(const face *f, float sum[3][POINTS_BLOCK], uint32_t block)
 {
     for (size_t i = 0; i < POINTS_BLOCK; ++i) {
@@ -195,7 +195,7 @@ void face_reset(face *f)
     face_show_rest(f);
 }
 
-/* ---- what happened ---- */
+/* ---- readings ---- */
 
 bool face_is_near(const face *f, const double *point, uint32_t count, double radius)
 {

@@ -67,7 +67,7 @@ static void scale_rows(face *f, const face_field *field)
     }
 }
 
-/* Fills the columns of the controls, and their values at the starts of all controls (cross). */
+/* Computes the columns of the controls, and their values at the starts of all controls (cross). */
 static void respond(face *f)
 {
     set_grip_positions(f);
@@ -128,7 +128,7 @@ mrt_result face_engage(face *f, const csrbf_settings *settings, const face_contr
     if (result < 0) {
         face_assign(f, f->grip, f->control_count);
         if (f->control_count > 0 && factor_fields(f, &f->settings, f->grip, NULL) < 0)
-            face_commit(f); /* cannot be: they have been factored before */
+            face_commit(f); /* cannot fail: they were factored before */
         return result;
     }
     f->control_column_count = old_columns;

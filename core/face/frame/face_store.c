@@ -1,4 +1,5 @@
-/* The state of a face as bytes: what frames to come depend on. Columns are found again. */
+/* The state of a face as bytes, with everything that later frames depend on. Columns are not
+ * stored; loading computes them again. */
 #include "base/bytes.h"
 #include "face/frame/frame.h"
 
@@ -11,11 +12,12 @@ static const char store_mark[4] = {'F', 'A', 'C', 'E'};
 
 enum { ORIGIN_BASE = 0, ORIGIN_FREE = 1 };
 
-/* What a grip may be: wider than face_grip.c makes it, so that a pull stays a number. */
+/* Valid range of a stored grip. It is wider than the values of face_grip.c, but keeps a pull
+ * finite. */
 static const double share_most = 2.0, belonging_least = 0.01;
 static const double mobility_least = 0.01, mobility_most = 100.0;
 
-/* ---- shapes: only what differs from the rest shape ---- */
+/* ---- shapes: stored only if they differ from the rest shape ---- */
 
 static bool are_equal(const points *a, const points *b)
 {
@@ -48,7 +50,7 @@ static void take_shape(bytes_in *in, points *out, const points *rest)
     points_update_bounds(out);
 }
 
-/* ---- what holds the face ---- */
+/* ---- grips and settings ---- */
 
 static void put_grip(bytes_out *out, const face *f, const face_grip *grip)
 {
@@ -108,7 +110,7 @@ static void take_settings(bytes_in *in, csrbf_settings *out)
                   out->polynomial > CSRBF_WINDOWED;
 }
 
-/* With the count: what is asked for follows. */
+/* Flag in the count: the requested least weights follow. */
 #define SHAPES_ARE_ASKED 0x80000000u
 
 static void put_shape_weights(bytes_out *out, const face_shapes *s)
@@ -151,7 +153,7 @@ size_t face_save(const face *f, void *bytes, size_t capacity)
     return out.size;
 }
 
-/* ---- back ---- */
+/* ---- loading ---- */
 
 static float take_single(bytes_in *in)
 {
@@ -174,7 +176,7 @@ static bool is_of_this_face(bytes_in *in, const face *f)
     return fits && !in->failed;
 }
 
-/* The controls take hold as they did; false: they cannot. */
+/* Engages the stored controls again. Returns false if that is not possible. */
 static bool take_controls(bytes_in *in, face *f)
 {
     csrbf_settings settings = {0};

@@ -27,7 +27,7 @@ static mrt_result allocate(rig_select *out, size_t capacity, error *err)
     return out->first && out->last && out->value ? MRT_OK : no_memory(err);
 }
 
-/* Behind those that are there, one with the last where both have the same value. */
+/* Appends a range, or extends the last one if it is adjacent and has the same value. */
 static void add_range(rig_select *out, uint32_t first, uint32_t last, uint8_t value)
 {
     uint32_t count = out->range_count;
@@ -92,7 +92,7 @@ static bool read_value(uint8_t *out, const char *digits)
 typedef struct paint_line { /* one string of the list */
     uint32_t first, last;
     const char *digits;
-    bool is_same; /* one value for all */
+    bool is_same; /* one value for the whole range */
 } paint_line;
 
 static bool read_vertices(paint_line *out, text_view words)
@@ -185,7 +185,7 @@ mrt_result rig_paint_parse(rig_select *out, const json_node *at, budget *b, erro
 
 /* ---- to JSON ---- */
 
-typedef struct paint_text { /* values in a row, not yet in the list */
+typedef struct paint_text { /* consecutive values that are not in the list yet */
     json_t *list;
     char digits[2 * LINE_VALUES + 1];
     uint32_t first, count;
