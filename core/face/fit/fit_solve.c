@@ -88,7 +88,7 @@ static double dot(const double *a, const double *b, uint32_t count)
 
 /* ---- weights of the columns ---- */
 
-static void put_row(double *out, vec3 v)
+static void set_row(double *out, vec3 v)
 {
     out[0] = v.x;
     out[1] = v.y;
@@ -118,7 +118,7 @@ static void weigh(const fit_solver *s, double *out, const rigid *pose, const dou
             weight = motion_weight(&pose[c->bone], c->axis);
         else if (pull != NULL)
             weight = rigid_rotate(&pose[c->bone], row(pull + 3 * (size_t)c->control));
-        put_row(out + 3 * j, weight);
+        set_row(out + 3 * j, weight);
     }
 }
 
@@ -147,7 +147,7 @@ static void gather(const fit_solver *s, double *out, const rigid *pose, const do
             rigid back = rigid_inverse(&pose[s->gram->column[j].bone]);
             sum = vec3_add(sum, rigid_rotate(&back, row(from + 3 * j)));
         }
-        put_row(out + 3 * (size_t)k, sum);
+        set_row(out + 3 * (size_t)k, sum);
     }
 }
 
@@ -280,8 +280,8 @@ static void find_normal(fit_solver *s, normal *out, const float *dof, const doub
 }
 
 /* Computes a damped step within the limits. Returns false if no step is possible. */
-static bool take_step(const fit_solver *s, float *out, const float *dof, const normal *n,
-                      double damping)
+static bool damped_step(const fit_solver *s, float *out, const float *dof, const normal *n,
+                        double damping)
 {
     uint32_t dofs = s->bones->dof_count;
     double matrix[MRT_MAX_DOFS * MRT_MAX_DOFS], step[MRT_MAX_DOFS];
@@ -320,7 +320,7 @@ double fit_solve_pose(fit_solver *s, double *pull, float *dof, uint32_t target)
         bool is_better = false;
         for (int attempt = 0; attempt < DAMPING_TRIES && !is_better; attempt++) {
             float next[MRT_MAX_DOFS];
-            if (!take_step(s, next, dof, &n, damping))
+            if (!damped_step(s, next, dof, &n, damping))
                 break;
             double error_squared = fit_solve_pulls(s, pull, next, target);
             is_better = error_squared < best * (1 - 1e-6);

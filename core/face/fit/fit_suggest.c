@@ -442,7 +442,7 @@ static bool interpolate(suggesting *s)
     return is_regular;
 }
 
-typedef enum pose_search { POSES_AS_THEY_ARE, POSES_ANEW } pose_search;
+typedef enum pose_search { POSES_FIXED, POSES_SOLVED } pose_search;
 
 /* Computes the mean relative residual of the choice over the targets; infinite if it cannot be
  * solved. */
@@ -462,8 +462,8 @@ static mrt_result rate(suggesting *s, double *out, pose_search search, error *er
         float *dof = s->dof + (size_t)t * MRT_MAX_DOFS;
         if (!(reduced.energy[t] > 0))
             continue;
-        double missed = search == POSES_ANEW ? fit_solve_pose(&solver, s->pull, dof, t)
-                                             : fit_solve_pulls(&solver, s->pull, dof, t);
+        double missed = search == POSES_SOLVED ? fit_solve_pose(&solver, s->pull, dof, t)
+                                               : fit_solve_pulls(&solver, s->pull, dof, t);
         sum += sqrt(missed / reduced.energy[t]);
     }
     if (result == MRT_OK)
@@ -517,7 +517,7 @@ static mrt_result add_best(suggesting *s, uint32_t *out_unit, double *out_rating
             continue;
         double rating;
         push_unit(s, u);
-        mrt_result result = rate(s, &rating, POSES_AS_THEY_ARE, err);
+        mrt_result result = rate(s, &rating, POSES_FIXED, err);
         s->choice_count = before;
         if (result != MRT_OK)
             return result;
@@ -556,19 +556,19 @@ static mrt_result exchange(suggesting *s, const mesh *m, error *err)
         taken += length;
     }
     double rating;
-    return rate(s, &rating, POSES_ANEW, err);
+    return rate(s, &rating, POSES_SOLVED, err);
 }
 
 static mrt_result search(suggesting *s, const mesh *m, error *err)
 {
     double rating;
-    mrt_result result = rate(s, &rating, POSES_ANEW, err);
+    mrt_result result = rate(s, &rating, POSES_SOLVED, err);
     while (result == MRT_OK && s->choice_count < s->choice_capacity) {
         uint32_t unit;
         result = add_best(s, &unit, &rating, 0, m, err);
         if (result != MRT_OK || unit == UINT32_MAX)
             break;
-        result = rate(s, &rating, POSES_ANEW, err);
+        result = rate(s, &rating, POSES_SOLVED, err);
     }
     for (int pass = 0; result == MRT_OK && pass < EXCHANGES; pass++)
         result = exchange(s, m, err);

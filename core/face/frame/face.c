@@ -64,7 +64,7 @@ void face_pose_columns(face *f)
     face_lips_engage(f);
 }
 
-static void put(double *row, double x, double y, double z)
+static void set_row(double *row, double x, double y, double z)
 {
     row[0] = x;
     row[1] = y;
@@ -77,10 +77,10 @@ void face_weigh_bone(const face *f, double *weight, uint32_t bone, const rigid *
     double *row = weight + (size_t)3 * field->pose_column;
     const rigid *p = &pose[bone];
     vec3 shift = vec3_sub(rigid_apply(p, field->pivot), field->pivot);
-    put(row, p->r[0][0] - 1.0, p->r[1][0], p->r[2][0]);
-    put(row + 3, p->r[0][1], p->r[1][1] - 1.0, p->r[2][1]);
-    put(row + 6, p->r[0][2], p->r[1][2], p->r[2][2] - 1.0);
-    put(row + 9, shift.x, shift.y, shift.z);
+    set_row(row, p->r[0][0] - 1.0, p->r[1][0], p->r[2][0]);
+    set_row(row + 3, p->r[0][1], p->r[1][1] - 1.0, p->r[2][1]);
+    set_row(row + 6, p->r[0][2], p->r[1][2], p->r[2][2] - 1.0);
+    set_row(row + 9, shift.x, shift.y, shift.z);
 }
 
 void face_pose_weights(face *f, double *weight, const rigid *pose)

@@ -8,7 +8,7 @@ enum { PARTS = 4 }; /* tries */
 static const surface_limits clay = {.bend_deg = 89.0, .area = 0.02};
 
 /* Turns the shape shown into one that can be dragged: bones at rest, no controls. */
-static void let_go(face *f)
+static void begin_drag(face *f)
 {
     face_limit_pull(f);
     if (f->origin != &f->free)
@@ -187,7 +187,7 @@ static double part_at(const face *f, const double at[3], double radius, uint32_t
 
 /* Sets f->free to the reduced step. all: factor of the whole step, in addition to the tips'
  * shares. */
-static void take_part(face *f, double radius, uint32_t count, double all)
+static void apply_part(face *f, double radius, uint32_t count, double all)
 {
     for (uint32_t block = 0; block < f->free.block_count; ++block) {
         if (!f->limit.is_changed[block])
@@ -225,13 +225,13 @@ static void shorten_step(face *f, const csrbf_settings *settings, uint32_t count
     keep_step(f);
     for (int i = 0; i < PARTS && share < 1.0; ++i) {
         shorten_tips(f, settings->radius, count);
-        take_part(f, settings->radius, count, 1.0);
+        apply_part(f, settings->radius, count, 1.0);
         share = yield(f, settings);
     }
     for (int i = 0; i < PARTS && share < 1.0;
          ++i) { /* for vertices that no tip is near enough to */
         all *= i == 0 ? share : 0.5 * share;
-        take_part(f, settings->radius, count, all);
+        apply_part(f, settings->radius, count, all);
         share = yield(f, settings);
     }
     if (share < 1.0) {
@@ -291,7 +291,7 @@ mrt_result face_drag(face *f, const csrbf_settings *settings, const double *from
         return result;
     bones_pose(pose, &f->bones, resolved);
     carry_back(f, from, to, count, pose);
-    let_go(f);
+    begin_drag(f);
     face_assign(f, f->next_grip, count);
     f->control_column_count = f->shape_column_count;
     result = drag_free(f, settings, count, out_step, err);
@@ -325,7 +325,7 @@ static void ease(face *f, const points *towards, double rate_per_s, double dt_s)
 
 void face_leak(face *f, double rate_per_s, double dt_s)
 {
-    let_go(f);
+    begin_drag(f);
     ease(f, &f->base, rate_per_s, dt_s);
     show_free(f);
 }
@@ -333,7 +333,7 @@ void face_leak(face *f, double rate_per_s, double dt_s)
 void face_restore(face *f, double part)
 {
     double amount = part < 1.0 ? part / (1.0 - part) : 1e300;
-    let_go(f);
+    begin_drag(f);
     ease(f, &f->rest, amount, 1.0);
     shape_ease(&f->base, &f->rest, amount, 1.0);
     show_free(f);

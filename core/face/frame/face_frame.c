@@ -15,7 +15,7 @@ static bool jaw_is_driven(const bones *b, const float *dof)
 
 /* Computes the target of the jaw alone for each control that rides on it, in the frame of the jaw's
  * parent. */
-static void ask_of_jaw(face *f, const rigid *pose, const double *end, double *target)
+static void find_jaw_targets(face *f, const rigid *pose, const double *end, double *target)
 {
     const bones *b = &f->bones;
     uint32_t parent = f->rig->bone[b->jaw].parent;
@@ -61,7 +61,7 @@ mrt_result face_resolve_dofs(face *f, float *out, const float *dof, const double
         return MRT_OK;
     rigid pose[RIG_BONES_MAX];
     bones_pose(pose, b, out);
-    ask_of_jaw(f, pose, end, f->g);
+    find_jaw_targets(f, pose, end, f->g);
     bones_derive_jaw(jaw, b, f->position, f->g, f->scratch, f->control_count);
     return MRT_OK;
 }

@@ -236,8 +236,8 @@ double face_stretch_most(const csrbf_settings *settings)
 }
 
 /* Writes origin + sum as rows. Also leaves it in `sum`. */
-static void put_rows(float (*restrict row)[4], const points *origin, float sum[3][POINTS_BLOCK],
-                     uint32_t block)
+static void write_rows(float (*restrict row)[4], const points *origin, float sum[3][POINTS_BLOCK],
+                       uint32_t block)
 {
     size_t first = (size_t)block * POINTS_BLOCK;
     const float *const at[3] = {origin ? origin->x + first : NULL,
@@ -509,7 +509,7 @@ void face_limit_engage(face *f)
     l->is_pose_known = false;
     for (uint32_t block = 0; block < f->rest.block_count; ++block) {
         float none[3][POINTS_BLOCK] = {{0.0f}};
-        put_rows(l->posed, f->origin, none, block);
+        write_rows(l->posed, f->origin, none, block);
     }
     for (size_t group = 0; group < groups; ++group) {
         const uint32_t *corner = f->skin + 3 * GROUP * group;
@@ -680,7 +680,7 @@ void limit_write_block(const face *f, float (*row)[4], const points *origin, uin
     float sum[3][POINTS_BLOCK] = {{0.0f}};
     if (face_reaches(&f->columns, f->columns.weights.live, block))
         columns_sum(&f->columns, sum, 0, block);
-    put_rows(row, origin, sum, block);
+    write_rows(row, origin, sum, block);
 }
 
 void limit_pose_block(face *f, uint32_t block)

@@ -69,7 +69,7 @@ mrt_result limit_rooms_create(face *f, error *err)
 
 /* ---- an engagement ---- */
 
-static void put_entry(limit_rooms *r, uint32_t at, uint32_t group, const limit_group *g,
+static void set_entry(limit_rooms *r, uint32_t at, uint32_t group, const limit_group *g,
                       const limit_carried *c)
 {
     float square = 0.0f;
@@ -96,7 +96,7 @@ static uint32_t list_pair(face *f, uint32_t main_bone, uint32_t bone, uint32_t a
             continue;
         for (uint32_t i = g->first_carried; i < g[1].first_carried; ++i)
             if (l->carried[i].bone == bone)
-                put_entry(l->rooms, at++, group, g, &l->carried[i]);
+                set_entry(l->rooms, at++, group, g, &l->carried[i]);
     }
     return at;
 }

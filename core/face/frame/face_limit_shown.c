@@ -278,7 +278,7 @@ void limit_lips(face *f)
 static const float slid_least = 0.02f; /* least share of its area at rest that a triangle keeps */
 
 /* Copies a block of f->shown to limit.slid, once per judgement. */
-static void take_slid_block(face *f, uint32_t block)
+static void copy_slid_block(face *f, uint32_t block)
 {
     const size_t first = (size_t)block * POINTS_BLOCK;
     if (f->limit.is_slid[block])
@@ -299,7 +299,7 @@ static bool is_harmed_as_shown(face *f, size_t group)
     face_limit *l = &f->limit;
     const limit_group *g = &l->group[group];
     for (uint32_t i = g->first_block; i < g[1].first_block; ++i)
-        take_slid_block(f, l->block[i]);
+        copy_slid_block(f, l->block[i]);
     if (see_group(f, group, (const float(*)[4])l->slid) < slid_least)
         return true;
     if (l->candidate_count == 0 || limit_is_shaped(f))
@@ -310,7 +310,7 @@ static bool is_harmed_as_shown(face *f, size_t group)
         if (!surface_meter_around(f->surface_meter, l->candidate[i], around))
             continue;
         for (int k = 0; k < 6; ++k) {
-            take_slid_block(f, around[k] / POINTS_BLOCK);
+            copy_slid_block(f, around[k] / POINTS_BLOCK);
             limit_pose_block(f, around[k] / POINTS_BLOCK);
         }
     }

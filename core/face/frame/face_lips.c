@@ -53,7 +53,7 @@ static vec3 rest_of(const face *f, uint32_t station, uint32_t rim)
                     vec3_scale(points_position(&f->rest, slot[1]), along));
 }
 
-static void take_stations(face *f)
+static void copy_stations(face *f)
 {
     const bind_lips *from = &f->binding.lips;
     face_lips *l = &f->lips;
@@ -241,7 +241,7 @@ mrt_result face_lips_create(face *f, error *err)
         return result;
     memset(columns_row(&l->columns, 0), 0, count * l->columns.stride * sizeof(float));
     l->count = count;
-    take_stations(f);
+    copy_stations(f);
     result = add_lip(f, 0, f->rig->mouth.upper_share, from->of_upper, err);
     if (result >= 0)
         result = add_lip(f, 1, f->rig->mouth.upper_share - 1.0, from->of_lower, err);

@@ -250,7 +250,7 @@ static void set_row(float (*row)[4], size_t slot, vec3 value)
 
 /* Sets l->posed to the face with the bones as in the shape, and l->row to the rest of the shape.
  * Returns the share of its sum of squares that the bones explain. */
-static double take_bones_out(learning *l, const rigid *pose)
+static double subtract_bones(learning *l, const rigid *pose)
 {
     const face *f = l->f;
     double whole = 0.0, left = 0.0;
@@ -542,7 +542,7 @@ static mrt_result learn_shape(learning *l, uint32_t target, float *kept, error *
         if (dofs_of(&f->bones, bone) > 0)
             fit_bone(l, one, bone);
     bones_pose(pose, &f->bones, one->dof);
-    one->purity = take_bones_out(l, pose);
+    one->purity = subtract_bones(l, pose);
     turn_normals(l, pose);
     ease_folds(l);
     mrt_result result = note_edges(l, err);

@@ -51,26 +51,26 @@ static bool anatomy_has_word(const char *name, const char *const *words)
 
 #define WORDS(...) ((const char *const[]){__VA_ARGS__, NULL})
 
-static bool sounds_like_eye(const char *name)
+static bool is_eye_name(const char *name)
 {
     return has_text(name, "eye") &&
            !anatomy_has_word(name, WORDS("brow", "lash", "lid", "socket", "extra", "shadow",
                                          "occlusion", "glass", "wear"));
 }
 
-static bool sounds_like_teeth(const char *name)
+static bool is_teeth_name(const char *name)
 {
     return anatomy_has_word(name, WORDS("teeth", "tooth", "gum", "denture"));
 }
 
-static bool sounds_worn(const char *name)
+static bool is_accessory_name(const char *name)
 {
     return anatomy_has_word(name, WORDS("hair", "headwear", "hat", "beanie", "helmet", "glasses",
                                         "eyewear", "earring", "ear.", "ears", "horn", "crown",
                                         "hood", "mask"));
 }
 
-static bool sounds_like_clothes(const char *name)
+static bool is_clothes_name(const char *name)
 {
     return anatomy_has_word(name, WORDS("outfit", "cloth", "shirt", "shoe", "footwear", "pants",
                                         "trouser", "dress", "jacket", "hand", "body"));
@@ -475,7 +475,7 @@ static const char *material_of(const mesh *m, const anatomy_piece *p)
 }
 
 /* True if one of the names of a piece matches. */
-static bool sounds(const mesh *m, const anatomy_piece *p, bool (*as)(const char *name))
+static bool matches_name(const mesh *m, const anatomy_piece *p, bool (*as)(const char *name))
 {
     return as(name_of(m, p)) || as(material_of(m, p));
 }
@@ -589,8 +589,8 @@ static void draw_triangle(front_view *f, const mesh *m, uint32_t triangle, uint3
 static bool may_be_face(const rig_anatomy *a, const mesh *m, uint32_t piece)
 {
     const anatomy_piece *p = &a->piece[piece];
-    return p->head_count >= 8 && !sounds(m, p, sounds_worn) && !sounds(m, p, sounds_like_eye) &&
-           !sounds(m, p, sounds_like_teeth);
+    return p->head_count >= 8 && !matches_name(m, p, is_accessory_name) &&
+           !matches_name(m, p, is_eye_name) && !matches_name(m, p, is_teeth_name);
 }
 
 /* Counts the points of a piece within reach_mm of a point. */
@@ -688,7 +688,7 @@ static mrt_result find_face(rig_anatomy *a, const mesh *m, error *err)
 
 /* ---- kinds of the other pieces ---- */
 
-static void say(anatomy_piece *p, piece_kind kind, anatomy_source source)
+static void set_kind(anatomy_piece *p, piece_kind kind, anatomy_source source)
 {
     p->kind = kind;
     p->source = source;
@@ -717,12 +717,12 @@ static anatomy_eye *eye_at(rig_anatomy *a, double x)
     return &a->eye[x > a->head.middle_x ? 0 : 1];
 }
 
-static void take_eye(rig_anatomy *a, uint32_t piece, const anatomy_eye *ball, anatomy_source source)
+static void set_eye(rig_anatomy *a, uint32_t piece, const anatomy_eye *ball, anatomy_source source)
 {
     anatomy_eye *eye = eye_at(a, ball->centre.x);
     if (!eye->is_found || ball->radius_mm > eye->radius_mm)
         *eye = (anatomy_eye){true, ball->centre, ball->radius_mm};
-    say(&a->piece[piece], eye == &a->eye[0] ? PIECE_EYE_LEFT : PIECE_EYE_RIGHT, source);
+    set_kind(&a->piece[piece], eye == &a->eye[0] ? PIECE_EYE_LEFT : PIECE_EYE_RIGHT, source);
 }
 
 /* True for pupils, irises and corneas: in the middle of an eyeball, and not far beyond it. */
@@ -741,7 +741,7 @@ typedef struct ball {
 } ball;
 
 /* Adds both eyes of a pair if one is the mirror image of the other. */
-static void take_pair(rig_anatomy *a, const ball *one, const ball *other)
+static void set_eye_pair(rig_anatomy *a, const ball *one, const ball *other)
 {
     vec3 c = other->as.centre, image = {2.0 * a->head.middle_x - c.x, c.y, c.z};
     if (a->piece[one->piece].kind != PIECE_UNKNOWN ||
@@ -749,8 +749,8 @@ static void take_pair(rig_anatomy *a, const ball *one, const ball *other)
         vec3_length(vec3_sub(image, one->as.centre)) > 0.3 * one->as.radius_mm ||
         fabs(one->as.radius_mm - other->as.radius_mm) > 0.2 * one->as.radius_mm)
         return;
-    take_eye(a, one->piece, &one->as, BY_SHAPE);
-    take_eye(a, other->piece, &other->as, BY_SHAPE);
+    set_eye(a, one->piece, &one->as, BY_SHAPE);
+    set_eye(a, other->piece, &other->as, BY_SHAPE);
 }
 
 static void find_eyes(rig_anatomy *a, const mesh *m)
@@ -764,20 +764,20 @@ static void find_eyes(rig_anatomy *a, const mesh *m)
             count += 1;
     }
     for (uint32_t i = 0; i < count; ++i)
-        if (sounds_like_eye(name_of(m, &a->piece[found[i].piece])))
-            take_eye(a, found[i].piece, &found[i].as, BY_NAME);
+        if (is_eye_name(name_of(m, &a->piece[found[i].piece])))
+            set_eye(a, found[i].piece, &found[i].as, BY_NAME);
     if (!a->eye[0].is_found && !a->eye[1].is_found)
         for (uint32_t i = 0; i < count; ++i)
             for (uint32_t j = i + 1; j < count; ++j)
-                take_pair(a, &found[i], &found[j]);
+                set_eye_pair(a, &found[i], &found[j]);
     for (uint32_t i = 0; i < a->piece_count; ++i) {
         anatomy_piece *p = &a->piece[i];
         if (p->kind != PIECE_UNKNOWN || !is_mostly_head(p))
             continue;
         for (int side = 0; side < 2; ++side)
             if (is_in_eye(&a->eye[side], p))
-                say(p, side == 0 ? PIECE_EYE_LEFT : PIECE_EYE_RIGHT,
-                    sounds_like_eye(name_of(m, p)) ? BY_NAME : BY_SHAPE);
+                set_kind(p, side == 0 ? PIECE_EYE_LEFT : PIECE_EYE_RIGHT,
+                         is_eye_name(name_of(m, p)) ? BY_NAME : BY_SHAPE);
     }
 }
 
@@ -806,7 +806,7 @@ static void find_teeth(rig_anatomy *a, const mesh *m)
     }
     for (uint32_t i = 0; i < a->piece_count; ++i) {
         anatomy_piece *p = &a->piece[i];
-        bool is_named = sounds(m, p, sounds_like_teeth),
+        bool is_named = matches_name(m, p, is_teeth_name),
              is_tongue = has_text(name_of(m, p), "tongue");
         if (p->kind != PIECE_UNKNOWN || !is_mostly_head(p))
             continue;
@@ -819,11 +819,11 @@ static void find_teeth(rig_anatomy *a, const mesh *m)
         bool is_lower = p->mean.y < head->mouth_y;
         if (anatomy_has_word(name_of(m, p), WORDS("upper", "lower")))
             is_lower = has_text(name_of(m, p), "lower");
-        say(p,
-            is_tongue || (is_behind && !has_text(name_of(m, p), "upper")) ? PIECE_TONGUE
-            : is_lower                                                    ? PIECE_TEETH_LOWER
-                                                                          : PIECE_TEETH_UPPER,
-            is_named || is_tongue ? BY_NAME : BY_SHAPE);
+        set_kind(p,
+                 is_tongue || (is_behind && !has_text(name_of(m, p), "upper")) ? PIECE_TONGUE
+                 : is_lower                                                    ? PIECE_TEETH_LOWER
+                                                                               : PIECE_TEETH_UPPER,
+                 is_named || is_tongue ? BY_NAME : BY_SHAPE);
     }
 }
 
@@ -837,7 +837,7 @@ static bool is_before_eye(const anatomy_eye *eye, const anatomy_piece *p)
 }
 
 /* True for hair, hats, glasses and ears: behind the face, above it, or across it. */
-static bool lies_around(const rig_anatomy *a, const anatomy_piece *p)
+static bool is_around_face(const rig_anatomy *a, const anatomy_piece *p)
 {
     const rig_head *head = &a->head;
     double reach = head->nose.y - head->chin.y, depth = head->nose.z - head->back_z;
@@ -855,26 +855,27 @@ static void find_others(rig_anatomy *a, const mesh *m)
         const char *name = name_of(m, p);
         if (p->kind != PIECE_UNKNOWN)
             continue;
-        if (p->head_count == 0 || (!is_mostly_head(p) && !sounds(m, p, sounds_worn)))
-            say(p, PIECE_BODY, a->source);
+        if (p->head_count == 0 || (!is_mostly_head(p) && !matches_name(m, p, is_accessory_name)))
+            set_kind(p, PIECE_BODY, a->source);
         else if (anatomy_has_word(name, WORDS("beard", "moustache", "mustache")))
-            say(p, p->mean.y < a->head.mouth_y ? PIECE_BEARD : PIECE_UNKNOWN, BY_NAME);
-        else if (sounds(m, p, sounds_worn) && !anatomy_has_word(name, WORDS("lash", "brow")))
-            say(p, PIECE_RIDES, BY_NAME);
+            set_kind(p, p->mean.y < a->head.mouth_y ? PIECE_BEARD : PIECE_UNKNOWN, BY_NAME);
+        else if (matches_name(m, p, is_accessory_name) &&
+                 !anatomy_has_word(name, WORDS("lash", "brow")))
+            set_kind(p, PIECE_RIDES, BY_NAME);
         else if (a->has_face && !anatomy_has_word(name, WORDS("lash", "brow", "lid", "tear")) &&
-                 lies_around(a, p))
-            say(p, PIECE_RIDES, BY_SHAPE);
+                 is_around_face(a, p))
+            set_kind(p, PIECE_RIDES, BY_SHAPE);
         else if (!a->has_face)
-            say(p, PIECE_RIDES, BY_SHAPE);
-        else if (sounds_like_clothes(name))
-            say(p, PIECE_BODY, BY_NAME);
+            set_kind(p, PIECE_RIDES, BY_SHAPE);
+        else if (is_clothes_name(name))
+            set_kind(p, PIECE_BODY, BY_NAME);
     }
 }
 
 /* Returns the neck to the head where clothes made the cut too high. If the piece of the face ends
  * in its own neck, the whole piece belongs to the head. Of other pieces, everything above the
  * narrowest row of that neck does. */
-static void give_back_neck(rig_anatomy *a, const mesh *m)
+static void extend_to_neck(rig_anatomy *a, const mesh *m)
 {
     const anatomy_piece *face = &a->piece[a->face];
     vec3 size = vec3_sub(face->high, face->low);
@@ -1046,7 +1047,7 @@ mrt_result rig_anatomy_find(rig_anatomy *out, const mesh *m, const topology *t, 
         result = find_face(out, m, err);
     }
     if (result >= 0 && out->source == BY_SHAPE)
-        give_back_neck(out, m);
+        extend_to_neck(out, m);
     if (result >= 0) {
         mrt_result measured = rig_head_measure(&out->head, m, out->is_face, err);
         out->has_face = measured >= 0;

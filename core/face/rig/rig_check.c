@@ -242,7 +242,7 @@ static bool pieces_make(pieces *p, const checking *c)
 
 /* ---- findings about pieces ---- */
 
-static bool sounds_rigid(const char *name)
+static bool is_rigid_name(const char *name)
 {
     static const char *const words[] = {"teeth", "tooth", "eye", "gum"};
     for (size_t i = 0; i < sizeof words / sizeof *words; ++i)
@@ -270,7 +270,7 @@ static void check_unmarked(checking *c, const pieces *p)
         if (count == 0 || shown == PARTS_SHOWN)
             continue;
         shown += 1;
-        report(c, sounds_rigid(part->name) ? RIG_WARNING : RIG_NOTE, "$.regions",
+        report(c, is_rigid_name(part->name) ? RIG_WARNING : RIG_NOTE, "$.regions",
                "no region marks %s of part \"%s\" (%u triangles): it follows the nearest marked "
                "surface",
                count == part->triangle_count ? "anything" : "all pieces", part->name, count);

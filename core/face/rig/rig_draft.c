@@ -251,7 +251,7 @@ static void add_rigid_pieces(drafting *d, const char *bone, piece_kind kind, uin
                  name, bone, sure[source]);
 }
 
-static bool came_before(const drafting *d, uint32_t piece)
+static bool is_same_as_earlier(const drafting *d, uint32_t piece)
 {
     for (uint32_t i = 0; i < piece; ++i)
         if (d->a.piece[i].kind == d->a.piece[piece].kind &&
@@ -275,7 +275,7 @@ static void draft_pieces(drafting *d)
             bone = d->a.has_body ? "body" : "skull";
         if (!d->a.has_face && kind == PIECE_RIDES && d->a.head_joint != MESH_NO_JOINT)
             bone = NULL;
-        if (bone && !came_before(d, i))
+        if (bone && !is_same_as_earlier(d, i))
             add_rigid_pieces(d, bone, kind, i);
     }
 }
@@ -772,7 +772,7 @@ static mrt_result parse_draft(rig *out, const json_t *document, const char *mesh
     return no_memory(err);
 }
 
-static void say_what_it_is(drafting *d)
+static void note_assumptions(drafting *d)
 {
     const rig_head *head = &d->head;
     if (d->a.head_count > 1)
@@ -799,7 +799,7 @@ static mrt_result draft_once(rig *out, drafting *d, const char *mesh_path, error
     const char *slash = strrchr(mesh_path, '/'), *mesh_name = slash ? slash + 1 : mesh_path;
     free(d->confirm);
     d->confirm = NULL;
-    say_what_it_is(d);
+    note_assumptions(d);
     json_t *document = draft_document(d, mesh_name);
     mrt_result result = parse_draft(out, document, mesh_path, mesh_name, err);
     json_decref(document);

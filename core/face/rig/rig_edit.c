@@ -145,7 +145,7 @@ static bool is_share(double value)
     return isnan(value) || (value >= 0.0 && value <= 1.0);
 }
 
-static mrt_result check_says(const rig *r, const rig_edit_says *says, error *err)
+static mrt_result check_region_values(const rig *r, const rig_edit_says *says, error *err)
 {
     bool has_weight = !isnan(says->weight), has_mobility = !isnan(says->mobility);
     if (says->bone != RIG_NONE && says->bone >= r->bone_count)
@@ -187,7 +187,7 @@ uint32_t rig_edit_find_region(const rig *r, const char *name)
     return RIG_NONE;
 }
 
-static void set_says(rig_region *region, const rig_edit_says *says)
+static void set_region_values(rig_region *region, const rig_edit_says *says)
 {
     region->bone = says->bone;
     region->is_rigid = says->is_rigid;
@@ -199,7 +199,7 @@ mrt_result rig_edit_add_region(rig *r, const char *name, const rig_edit_says *sa
                                uint32_t *out_index, error *err)
 {
     bool has_name = name && name[0];
-    mrt_result result = check_says(r, says, err);
+    mrt_result result = check_region_values(r, says, err);
     if (result >= 0 && has_name)
         result = check_region_name(r, RIG_NONE, name, err);
     if (result < 0)
@@ -215,7 +215,7 @@ mrt_result rig_edit_add_region(rig *r, const char *name, const rig_edit_says *sa
     made.name = has_name ? strdup(name) : NULL;
     if (has_name && !made.name)
         return no_memory(err);
-    set_says(&made, says);
+    set_region_values(&made, says);
     r->region[r->region_count] = made;
     *out_index = r->region_count;
     r->region_count += 1;
@@ -272,9 +272,9 @@ mrt_result rig_edit_set_region(rig *r, uint32_t index, const rig_edit_says *says
 {
     mrt_result result = check_index(index, r->region_count, "region", err);
     if (result >= 0)
-        result = check_says(r, says, err);
+        result = check_region_values(r, says, err);
     if (result >= 0)
-        set_says(&r->region[index], says);
+        set_region_values(&r->region[index], says);
     return result;
 }
 
@@ -541,7 +541,7 @@ static bool is_dof(const char *dof, const char *bone, const char *turn)
            (!turn || strcmp(dof + length + 1, turn) == 0);
 }
 
-static void forget_in_poses(rig *r, const char *bone, const char *turn)
+static void remove_from_poses(rig *r, const char *bone, const char *turn)
 {
     for (uint32_t i = 0; i < r->pose_count; ++i) {
         rig_pose *pose = &r->pose[i];
@@ -607,7 +607,7 @@ static uint32_t heir_of(uint32_t bone, uint32_t removed, uint32_t heir)
 
 /* Called when a bone, or one of its turns, is removed (turn RIG_NONE: the whole bone). Turns
  * that follow it stop following; the indices of later bones or turns move down by one. */
-static void forget_followed(rig *r, uint32_t bone, uint32_t turn)
+static void unlink_followers(rig *r, uint32_t bone, uint32_t turn)
 {
     for (uint32_t i = 0; i < r->bone_count; ++i)
         for (uint32_t k = 0; k < r->bone[i].turn_count; ++k) {
@@ -633,7 +633,7 @@ static void reassign_bone(rig *r, uint32_t removed, uint32_t heir)
         r->bone[i].parent = heir_of(r->bone[i].parent, removed, heir);
 }
 
-static mrt_result check_stays(const rig *r, uint32_t index, error *err)
+static mrt_result check_removable(const rig *r, uint32_t index, error *err)
 {
     mrt_result result = check_index(index, r->bone_count, "bone", err);
     if (result >= 0 && (index == 0 || strcmp(r->bone[index].name, "skull") == 0))
@@ -646,12 +646,12 @@ static mrt_result check_stays(const rig *r, uint32_t index, error *err)
 
 mrt_result rig_edit_remove_bone(rig *r, uint32_t index, error *err)
 {
-    mrt_result result = check_stays(r, index, err);
+    mrt_result result = check_removable(r, index, err);
     if (result < 0)
         return result;
     const uint32_t parent = r->bone[index].parent;
-    forget_in_poses(r, r->bone[index].name, NULL);
-    forget_followed(r, index, RIG_NONE);
+    remove_from_poses(r, r->bone[index].name, NULL);
+    unlink_followers(r, index, RIG_NONE);
     reassign_bone(r, index, parent == RIG_NONE ? 0 : parent);
     finish_bone(&r->bone[index]);
     close_array(r->bone, &r->bone_count, index, sizeof *r->bone);
@@ -673,7 +673,7 @@ static mrt_result check_turn_names(const rig_bone *bone, const char *name, error
 
 mrt_result rig_edit_name_bone(rig *r, uint32_t index, const char *name, error *err)
 {
-    mrt_result result = check_stays(r, index, err);
+    mrt_result result = check_removable(r, index, err);
     if (result >= 0)
         result = check_bone_name(r, index, name, err);
     if (result >= 0)
@@ -710,7 +710,7 @@ mrt_result rig_edit_set_ball(rig *r, uint32_t index, vec3 centre, double radius_
 
 mrt_result rig_edit_ride_bone(rig *r, uint32_t index, uint32_t parent, error *err)
 {
-    mrt_result result = check_stays(r, index, err);
+    mrt_result result = check_removable(r, index, err);
     if (result < 0)
         return result;
     if (parent != RIG_NONE && parent >= index)
@@ -860,8 +860,8 @@ mrt_result rig_edit_remove_turn(rig *r, uint32_t bone, uint32_t turn, error *err
     if (ball->turn_count == 1)
         return error_set(err, MRT_ERR_UNSUPPORTED,
                          "a ball needs at least one turn; this one cannot be removed");
-    forget_in_poses(r, ball->name, ball->turn[turn].name);
-    forget_followed(r, bone, turn);
+    remove_from_poses(r, ball->name, ball->turn[turn].name);
+    unlink_followers(r, bone, turn);
     free(ball->turn[turn].name);
     close_array(ball->turn, &ball->turn_count, turn, sizeof *ball->turn);
     ball->turn[ball->turn_count] = (rig_turn){0};
@@ -934,7 +934,7 @@ static void close_gap(uint32_t *contact, uint32_t removed)
         *contact -= 1;
 }
 
-static void take_out_of_set(rig_contact_set *set, uint32_t removed)
+static void remove_from_set(rig_contact_set *set, uint32_t removed)
 {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < set->contact_count; ++i)
@@ -945,7 +945,7 @@ static void take_out_of_set(rig_contact_set *set, uint32_t removed)
         close_gap(&set->contact[i], removed);
 }
 
-static void take_contact_out_of_pose(rig_pose *pose, uint32_t removed)
+static void remove_contact_from_pose(rig_pose *pose, uint32_t removed)
 {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < pose->pull_count; ++i) {
@@ -973,9 +973,9 @@ mrt_result rig_edit_remove_contact(rig *r, uint32_t index, error *err)
         close_gap(&r->contact[i].mirror, index);
     }
     for (uint32_t i = 0; i < r->contact_set_count; ++i)
-        take_out_of_set(&r->contact_set[i], index);
+        remove_from_set(&r->contact_set[i], index);
     for (uint32_t i = 0; i < r->pose_count; ++i)
-        take_contact_out_of_pose(&r->pose[i], index);
+        remove_contact_from_pose(&r->pose[i], index);
     return MRT_OK;
 }
 
@@ -1021,7 +1021,7 @@ bool rig_edit_other_side(const char *name, char *out, size_t capacity)
     return true;
 }
 
-static void part_from_mirror(rig *r, uint32_t index)
+static void unlink_mirror(rig *r, uint32_t index)
 {
     uint32_t other = r->contact[index].mirror;
     if (other != RIG_NONE)
@@ -1058,8 +1058,8 @@ mrt_result rig_edit_mirror_contact(rig *r, uint32_t index, uint32_t vertex, erro
         if (result < 0)
             return result;
     }
-    part_from_mirror(r, index);
-    part_from_mirror(r, other);
+    unlink_mirror(r, index);
+    unlink_mirror(r, other);
     r->contact[index].mirror = other;
     r->contact[other].mirror = index;
     r->contact[other].vertex = vertex;
@@ -1293,7 +1293,7 @@ mrt_result rig_edit_set_mouth(rig *r, const rig_mouth *mouth, error *err)
 void rig_edit_remove_mouth(rig *r)
 {
     free_mouth(&r->mouth);
-    forget_in_poses(r, "lips", "seal");
+    remove_from_poses(r, "lips", "seal");
 }
 
 /* ---- descriptions for people ---- */
@@ -1303,7 +1303,7 @@ typedef struct words {
     size_t capacity;
 } words;
 
-__attribute__((format(printf, 2, 3))) static void say(words *w, const char *format, ...)
+__attribute__((format(printf, 2, 3))) static void append_text(words *w, const char *format, ...)
 {
     size_t used = strlen(w->at);
     va_list arguments;
@@ -1327,9 +1327,9 @@ static void describe_joined(words *w, const rig_select *select)
     const char *between = select->kind == SELECT_ALL ? ", " : " or ";
     for (uint32_t i = 0; i < select->child_count; ++i) {
         bool is_group = select->child[i].kind == SELECT_ALL || select->child[i].kind == SELECT_ANY;
-        say(w, "%s%s", i ? between : "", is_group ? "(" : "");
+        append_text(w, "%s%s", i ? between : "", is_group ? "(" : "");
         describe(w, &select->child[i]);
-        say(w, "%s", is_group ? ")" : "");
+        append_text(w, "%s", is_group ? ")" : "");
     }
 }
 
@@ -1337,49 +1337,49 @@ static void describe(words *w, const rig_select *select)
 {
     switch (select->kind) {
     case SELECT_VERTICES:
-        say(w, "%u vertices", vertex_count_of(select));
+        append_text(w, "%u vertices", vertex_count_of(select));
         break;
     case SELECT_GROUP:
-        say(w, "part %s", select->name);
+        append_text(w, "part %s", select->name);
         break;
     case SELECT_ATTRIBUTE:
-        say(w, "attribute %s", select->name);
+        append_text(w, "attribute %s", select->name);
         break;
     case SELECT_BOX:
-        say(w, "in a box");
+        append_text(w, "in a box");
         break;
     case SELECT_ELLIPSOID:
-        say(w, "in an ellipsoid");
+        append_text(w, "in an ellipsoid");
         break;
     case SELECT_HALF_SPACE:
-        say(w, "beyond a plane");
+        append_text(w, "beyond a plane");
         break;
     case SELECT_WITHIN:
-        say(w, "within %.0f mm of vertex %u", select->within_mm, select->vertex);
+        append_text(w, "within %.0f mm of vertex %u", select->within_mm, select->vertex);
         break;
     case SELECT_ALL:
     case SELECT_ANY:
         describe_joined(w, select);
         break;
     case SELECT_NOT:
-        say(w, "not ");
+        append_text(w, "not ");
         describe(w, &select->child[0]);
         break;
     case SELECT_PAINTED:
-        say(w, "painted, %u vertices", vertex_count_of(select));
+        append_text(w, "painted, %u vertices", vertex_count_of(select));
         break;
     case SELECT_PIECE:
-        say(w, "the piece of vertex %u", select->vertex);
+        append_text(w, "the piece of vertex %u", select->vertex);
         break;
     case SELECT_PIECES_INSIDE:
-        say(w, "pieces ");
+        append_text(w, "pieces ");
         describe(w, &select->child[0]);
         break;
     case SELECT_JOINT:
-        say(w, "joint %s", select->name);
+        append_text(w, "joint %s", select->name);
         break;
     case SELECT_NOTHING:
-        say(w, "nothing");
+        append_text(w, "nothing");
         break;
     }
 }

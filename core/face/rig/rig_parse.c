@@ -737,7 +737,7 @@ static mrt_result read_pose(rig *r, rig_pose *pose, const json_node *at, double 
 }
 
 /* Charges the budget for the search of each name among all contacts. */
-static mrt_result pay_for_names(rig_document *d, const rig *r, uint32_t name_count, error *err)
+static mrt_result charge_names(rig_document *d, const rig *r, uint32_t name_count, error *err)
 {
     return budget_spend_work(&d->budget, (uint64_t)name_count * r->contact_count, err);
 }
@@ -750,7 +750,7 @@ static mrt_result fill_poses(rig *r, rig_document *d, error *err)
         r->pose_count = i + 1;
         result = read_pose(r, &r->pose[i], &entry->node, d->file[entry->file].mm_per_unit, err);
         if (result >= 0)
-            result = pay_for_names(d, r, r->pose[i].pull_count, err);
+            result = charge_names(d, r, r->pose[i].pull_count, err);
     }
     return result;
 }
@@ -800,7 +800,7 @@ static mrt_result fill_contact_sets(rig *r, rig_document *d, error *err)
         r->contact_set_count = i + 1;
         result = read_set(&r->contact_set[i], r, &d->entry[RIG_SETS][i], err);
         if (result >= 0)
-            result = pay_for_names(d, r, r->contact_set[i].contact_count, err);
+            result = charge_names(d, r, r->contact_set[i].contact_count, err);
     }
     return result;
 }

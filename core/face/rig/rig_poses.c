@@ -113,8 +113,8 @@ static void read_dofs(float out_dof[MRT_MAX_DOFS], const bones *b, const rig_pos
 }
 
 /* Engages contacts with all bones at rest, as after face_reset. */
-static mrt_result take_hold(face *f, const csrbf_settings *solver, const uint32_t *contact,
-                            uint32_t count, error *err)
+static mrt_result engage_contacts(face *f, const csrbf_settings *solver, const uint32_t *contact,
+                                  uint32_t count, error *err)
 {
     face_control *control = calloc(count + (size_t)1, sizeof *control);
     if (!control)
@@ -253,7 +253,7 @@ mrt_result rig_poses_show_on(face *f, const rig *r, uint32_t pose, const csrbf_s
     set_pulls(&all, wanted, wanted->pull_count + wanted->follow_count);
     read_dofs(dof, face_bones(f), wanted);
     face_reset(f);
-    mrt_result result = take_hold(f, solver, all.contact, all.count, &why);
+    mrt_result result = engage_contacts(f, solver, all.contact, all.count, &why);
     if (result >= 0)
         result = pull(f, &all, dof, &why);
     if (result < 0)
@@ -352,7 +352,7 @@ static mrt_result show_named(face *f, const rig_pose *pose, const rig_pose *show
         if (part[i] != pose->part)
             hold(&named, i);
     face_reset(f);
-    mrt_result result = take_hold(f, solver, named.contact, named.count, err);
+    mrt_result result = engage_contacts(f, solver, named.contact, named.count, err);
     return result < 0 ? result : pull(f, &named, dof, err);
 }
 
@@ -393,7 +393,7 @@ static mrt_result find_follows(held *all, contacts_alone *c, const rig_pose *pos
     hold_all(all, count);
     set_pulls(all, pose, pose->pull_count);
     face_reset(c->face);
-    result = take_hold(c->face, solver, all->contact, all->count, err);
+    result = engage_contacts(c->face, solver, all->contact, all->count, err);
     if (result >= 0)
         read_pulls(wanted, c->face, count, at, dof);
     for (int round = 0; round < ROUNDS && result >= 0; ++round) {
@@ -491,7 +491,7 @@ static bool allocate_pose(rig_pose *out, const char *name, uint32_t dofs, uint32
     return out->name && out->dof_name && out->dof_value && out->pull_contact && out->pull_mm;
 }
 
-static bool note_dofs(rig_pose *out, const bones *b, const float *dof)
+static bool set_dofs(rig_pose *out, const bones *b, const float *dof)
 {
     for (uint32_t i = 0; i < b->dof_count; ++i) {
         if (!(fabs((double)dof[i]) > least_dof))
@@ -517,7 +517,7 @@ static mrt_result find_ways(vec3 *out, face *f, const csrbf_settings *solver, ui
         end[3 * i + 2] = at[first + i].z;
     }
     face_reset(f);
-    mrt_result result = take_hold(f, solver, contact, count, err);
+    mrt_result result = engage_contacts(f, solver, contact, count, err);
     if (result < 0)
         return result;
     face_unride(f, end, dof);
@@ -528,8 +528,8 @@ static mrt_result find_ways(vec3 *out, face *f, const csrbf_settings *solver, ui
 
 /* Names the contacts that the contacts named so far do not bring to their place. Repeats until no
  * contact is added. */
-static mrt_result name_pulls(rig_pose *out, const face *f, const rig *r,
-                             const csrbf_settings *solver, const vec3 *way, error *err)
+static mrt_result add_pulls(rig_pose *out, const face *f, const rig *r,
+                            const csrbf_settings *solver, const vec3 *way, error *err)
 {
     uint32_t before = RIG_NONE;
     mrt_result result = MRT_OK;
@@ -567,15 +567,14 @@ mrt_result rig_poses_of(rig_pose *out, const char *name, face *f, uint32_t room,
     const uint32_t most = room < MRT_MAX_VECTORS ? room : MRT_MAX_VECTORS;
     vec3 *way = calloc(r->contact_count + (size_t)1, sizeof *way);
     mrt_result result = MRT_OK;
-    if (!allocate_pose(out, name, b->dof_count, r->contact_count) || !note_dofs(out, b, dof) ||
-        !way)
+    if (!allocate_pose(out, name, b->dof_count, r->contact_count) || !set_dofs(out, b, dof) || !way)
         result = error_set(err, MRT_ERR_MEMORY, "no memory for a pose");
     for (uint32_t first = 0; result >= 0 && first < r->contact_count; first += most) {
         const uint32_t left = r->contact_count - first;
         result = find_ways(way, f, solver, first, left < most ? left : most, at, dof, err);
     }
     if (result >= 0)
-        result = name_pulls(out, f, r, solver, way, err);
+        result = add_pulls(out, f, r, solver, way, err);
     face_reset(f);
     free(way);
     if (result < 0)

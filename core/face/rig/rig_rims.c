@@ -360,7 +360,7 @@ static bool find_first(neck *out, finding *f)
 }
 
 /* Appends necks from `first` outwards to the corner. Returns their number. */
-static uint32_t go_aside(neck *out, uint32_t room, finding *f, const neck *first, double sign)
+static uint32_t follow_slit(neck *out, uint32_t room, finding *f, const neck *first, double sign)
 {
     const double step_mm = column_step * f->half_mm;
     const neck *last = first;
@@ -392,14 +392,14 @@ static bool find_necks(finding *f)
     neck first;
     if (!find_first(&first, f))
         return false;
-    uint32_t right = go_aside(f->neck, COLUMNS_MAX / 2 - 1, f, &first, -1.0);
+    uint32_t right = follow_slit(f->neck, COLUMNS_MAX / 2 - 1, f, &first, -1.0);
     for (uint32_t i = 0; i < right / 2; ++i) {
         neck kept = f->neck[i];
         f->neck[i] = f->neck[right - 1 - i];
         f->neck[right - 1 - i] = kept;
     }
     f->neck[right] = first;
-    uint32_t left = go_aside(f->neck + right + 1, COLUMNS_MAX / 2 - 1, f, &first, 1.0);
+    uint32_t left = follow_slit(f->neck + right + 1, COLUMNS_MAX / 2 - 1, f, &first, 1.0);
     f->neck_count = right + 1 + left;
     f->width_mm = f->neck[f->neck_count - 1].x - f->neck[0].x;
     if (f->width_mm < width_least * f->half_mm)

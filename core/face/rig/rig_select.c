@@ -125,7 +125,7 @@ static void walk_on(walk *w, double reach_mm)
     }
 }
 
-static void walk_forget(walk *w)
+static void walk_reset(walk *w)
 {
     for (size_t i = 0; i < w->reached_count; ++i)
         w->distance[w->reached[i]] = (double)INFINITY;
@@ -179,7 +179,7 @@ static const char *path_of(const rig_select *select)
     return select->path ? select->path : "select";
 }
 
-static mrt_result pay(selecting *s, const rig_select *select, uint64_t steps, error *err)
+static mrt_result charge_budget(selecting *s, const rig_select *select, uint64_t steps, error *err)
 {
     mrt_result result = budget_spend_work(&s->budget, steps, err);
     if (result < 0)
@@ -202,7 +202,7 @@ static void spread(float *out, const mesh *m)
 static mrt_result select_vertices(float *out, const rig_select *select, selecting *s, error *err)
 {
     const uint32_t vertex_count = s->m->vertex_count;
-    mrt_result result = pay(s, select, select->range_count, err);
+    mrt_result result = charge_budget(s, select, select->range_count, err);
     if (result < 0)
         return result;
     if (!s->cover)
@@ -353,8 +353,8 @@ static mrt_result select_within(float *out, const rig_select *select, selecting 
     for (size_t i = 0; i < w->reached_count; ++i)
         out[w->reached[i]] = 1.0f;
     uint64_t steps = (uint64_t)w->reached_count * STEPS_PER_VERTEX;
-    walk_forget(w);
-    return pay(s, select, steps, err);
+    walk_reset(w);
+    return charge_budget(s, select, steps, err);
 }
 
 /* ---- by the skin of the file ---- */
@@ -391,7 +391,7 @@ static mrt_result select_joint(float *out, const rig_select *select, selecting *
         out[v] = fminf(out[v], 1.0f);
     }
     free(is_below);
-    return pay(s, select, m->vertex_count, err);
+    return charge_budget(s, select, m->vertex_count, err);
 }
 
 /* ---- combined ---- */
@@ -477,7 +477,7 @@ static mrt_result select_by_vertex(float *out, const rig_select *select, selecti
         result = select_vertices(out, select, s, err);
         break;
     case SELECT_GROUP:
-        result = pay(s, select, m->part_count, err);
+        result = charge_budget(s, select, m->part_count, err);
         if (result >= 0)
             result = select_group(out, select, m, err);
         break;
@@ -485,7 +485,7 @@ static mrt_result select_by_vertex(float *out, const rig_select *select, selecti
         result = select_attribute(out, select, m, err);
         break;
     case SELECT_PAINTED:
-        result = pay(s, select, select->range_count, err);
+        result = charge_budget(s, select, select->range_count, err);
         if (result >= 0)
             result = select_painted(out, select, m, err);
         break;
@@ -507,7 +507,7 @@ static mrt_result select_by_vertex(float *out, const rig_select *select, selecti
 static mrt_result select_one(float *out, const rig_select *select, selecting *s, error *err)
 {
     const mesh *m = s->m;
-    mrt_result result = pay(s, select, m->vertex_count / 4u + 1, err);
+    mrt_result result = charge_budget(s, select, m->vertex_count / 4u + 1, err);
     if (result < 0)
         return result;
     memset(out, 0, (size_t)m->vertex_count * sizeof *out);
@@ -612,8 +612,8 @@ static mrt_result mark_region(marking *k, uint32_t index, error *err)
     const rig_region *region = &k->r->region[index];
     mrt_result result = select_one(k->selected, &region->select, &k->selecting, err);
     if (result >= 0)
-        result = pay(&k->selecting, &region->select,
-                     (uint64_t)k->m->vertex_count * k->r->bone_count / 4u, err);
+        result = charge_budget(&k->selecting, &region->select,
+                               (uint64_t)k->m->vertex_count * k->r->bone_count / 4u, err);
     for (uint32_t v = 0; result >= 0 && v < k->m->vertex_count; ++v) {
         float share = k->selected[v];
         if (region->is_rigid) {
@@ -631,7 +631,7 @@ static mrt_result mark_region(marking *k, uint32_t index, error *err)
     return result;
 }
 
-static void put_rigid_over_all(const marking *k)
+static void apply_rigid(const marking *k)
 {
     for (uint32_t v = 0; v < k->m->vertex_count; ++v) {
         if (k->marks->rigid_bone[v] == RIG_NONE)
@@ -712,7 +712,7 @@ static mrt_result create(bind_marks *out, marks_of which, const rig *r, const me
         if (which == OF_ALL || !rig_region_is_paint(&r->region[i]))
             result = mark_region(&k, i, err);
     if (result >= 0)
-        put_rigid_over_all(&k);
+        apply_rigid(&k);
     if (result >= 0 && which == OF_ALL)
         result = check_bones_have_vertices(&k, err);
     selecting_finish(&k.selecting);

@@ -556,7 +556,7 @@ static bool file_names(const rig_document *d, const char *name)
 
 /* ---- the table of paints ---- */
 
-static bool says_the_same(const json_node *paint, const rig_select *select)
+static bool equals_paint(const json_node *paint, const rig_select *select)
 {
     rig_select before = {0};
     bool same =
@@ -565,14 +565,14 @@ static bool says_the_same(const json_node *paint, const rig_select *select)
     return same;
 }
 
-static void put_paint(painting *p, const rig_select *select)
+static void write_paint(painting *p, const rig_select *select)
 {
     const rig_document *d = p->r->document;
     uint32_t file = 0;
     json_node before = {0};
     if (d)
         before = rig_document_paint(d, select->name, &file);
-    if (before.value && says_the_same(&before, select)) {
+    if (before.value && equals_paint(&before, select)) {
         if (!json_object_get(p->paints, select->name))
             p->failed |= json_object_set_new(p->paints, select->name, json_deep_copy(before.value));
         return;
@@ -580,17 +580,17 @@ static void put_paint(painting *p, const rig_select *select)
     p->failed |= json_object_set_new(p->paints, select->name, rig_paint_to_json(select));
 }
 
-static void put_paints_of(painting *p, const rig_select *select)
+static void write_paints_of(painting *p, const rig_select *select)
 {
     if (select->kind == SELECT_PAINTED)
-        put_paint(p, select);
+        write_paint(p, select);
     for (uint32_t i = 0; i < select->child_count; ++i)
-        put_paints_of(p, &select->child[i]);
+        write_paints_of(p, &select->child[i]);
 }
 
 /* Deletes paints whose regions are gone. Paints that no region ever used belong to another program
  * and stay. */
-static void drop_forgotten(painting *p)
+static void delete_unused(painting *p)
 {
     const rig_document *d = p->r->document;
     void *at = json_object_iter(p->paints);
@@ -623,9 +623,9 @@ static mrt_result write_paints(json_t *root, const rig *r, error *err)
 {
     painting p = {start_paints(r, root), r, 0};
     p.failed = p.paints == NULL;
-    drop_forgotten(&p);
+    delete_unused(&p);
     for (uint32_t i = 0; i < r->region_count; ++i)
-        put_paints_of(&p, &r->region[i].select);
+        write_paints_of(&p, &r->region[i].select);
     if (json_object_size(p.paints) > 0)
         p.failed |= json_object_set(root, "paints", p.paints);
     else if (json_is_object(json_object_get(root, "paints")))
@@ -719,7 +719,7 @@ static uint32_t entry_count_of(const rig *r, rig_section section)
 
 /* ---- the whole file ---- */
 
-static mrt_result put_section(json_t *root, const rig *r, rig_section section, error *err)
+static mrt_result write_section(json_t *root, const rig *r, rig_section section, error *err)
 {
     const char *key = rig_section_key[section];
     json_t *all = section == RIG_SETS ? json_object() : json_array();
@@ -756,7 +756,7 @@ static void update_solver(json_t *solver, const csrbf_settings *settings)
     }
 }
 
-static mrt_result put_solver(json_t *root, const rig *r, error *err)
+static mrt_result write_solver(json_t *root, const rig *r, error *err)
 {
     uint32_t file;
     json_node before = {0};
@@ -779,7 +779,7 @@ static const char *unit_name(double mm_per_unit)
 }
 
 /* Sets the keys that a new file needs, if no file or another file set them before. */
-static mrt_result put_identity(json_t *root, const rig *r, const char *path, error *err)
+static mrt_result write_identity(json_t *root, const rig *r, const char *path, error *err)
 {
     char *mesh = mesh_name_for(r, path);
     if (!mesh)
@@ -792,7 +792,7 @@ static mrt_result put_identity(json_t *root, const rig *r, const char *path, err
     return failed ? no_memory(err) : MRT_OK;
 }
 
-static void put_mesh_facts(json_t *root, const rig *r)
+static void write_mesh_facts(json_t *root, const rig *r)
 {
     char hash[20];
     (void)snprintf(hash, sizeof hash, "%016llx", (unsigned long long)r->mesh_hash);
@@ -821,7 +821,7 @@ static json_t *rim_to_json(const uint32_t *rim, uint32_t count)
     return list;
 }
 
-static void put_mouth(json_t *root, const rig *r)
+static void write_mouth(json_t *root, const rig *r)
 {
     const rig_mouth *mouth = &r->mouth;
     if (!mouth->upper) {
@@ -867,14 +867,14 @@ static mrt_result fill_root(json_t *root, const rig *r, const char *path, error 
     bool stays_alone = d && d->file_count == 1 && is_same_directory(path, r->path);
     mrt_result result = MRT_OK;
     if (!stays_alone)
-        result = put_identity(root, r, path, err);
-    put_mesh_facts(root, r);
-    put_mouth(root, r);
+        result = write_identity(root, r, path, err);
+    write_mesh_facts(root, r);
+    write_mouth(root, r);
     for (int section = 0; result >= 0 && section < RIG_SECTIONS; ++section)
-        result = put_section(root, r, (rig_section)section, err);
+        result = write_section(root, r, (rig_section)section, err);
     if (result >= 0)
         result = write_paints(root, r, err);
-    return result < 0 ? result : put_solver(root, r, err);
+    return result < 0 ? result : write_solver(root, r, err);
 }
 
 /* ---- the text: one line per entry ---- */

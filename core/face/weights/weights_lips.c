@@ -8,11 +8,12 @@
 #include <string.h>
 
 static const double ends_apart =
-    0.06; /* of the width: how far the ends of the rims may lie apart */
-static const double straight_least = 0.3; /* the width over the length of a rim: less is a ring */
+    0.06; /* of the width: greatest distance between the ends of the rims */
+static const double straight_least =
+    0.3; /* least width over the length of a rim; below it is a ring */
 static const double crossed_most =
-    0.04;                        /* of the width: the upper rim may lie so far below the lower */
-static const double reach = 1.5; /* of the width: how far along the surface lips are felt */
+    0.04;                        /* of the width: greatest depth of the upper rim below the lower */
+static const double reach = 1.5; /* of the width: reach of the lips along the surface */
 static const double end_density = 0.6; /* stations are 1 - this as far apart at the corners */
 static const double side_begins = 0.2, side_ends = 0.8;
 
@@ -36,7 +37,7 @@ static vec3 at_vertex(const mesh *m, const rim *of, uint32_t i)
     return mesh_position(m, of->vertex[i]);
 }
 
-/* ---- are these two rims? ---- */
+/* ---- checks of the rims ---- */
 
 static bool check_vertices(bind_lips *out, const rim *of, const mesh *m)
 {
@@ -47,7 +48,7 @@ static bool check_vertices(bind_lips *out, const rim *of, const mesh *m)
     return true;
 }
 
-/* Each point once, but that both rims may share their ends. */
+/* Checks that each point occurs once. The rims may share their ends. */
 static bool check_doubled(bind_lips *out, const rim *a, const rim *b, const mesh *m)
 {
     for (uint32_t i = 0; i < a->count; ++i)
@@ -129,7 +130,8 @@ static double across_of(const bind_lips *lips, vec3 from, vec3 at)
     return vec3_dot(lips->across, vec3_sub(at, from));
 }
 
-/* The first place on the rim that is `part` (0..1) of its own way across from its first vertex. */
+/* Returns the first place on the rim at `part` (0..1) of its extent across, from its first
+ * vertex. */
 static bind_station station_at(const bind_lips *lips, const mesh *m, const rim *of, double part)
 {
     vec3 from = at_vertex(m, of, 0);
@@ -154,7 +156,8 @@ vec3 bind_station_position(const bind_station *station, const mesh *m)
 
 static bool pair_rims(bind_lips *out, const rim *upper, const rim *lower, const mesh *m)
 {
-    /* Twice as many as vertices: on coarse rims those between vertices bring their edges closer. */
+    /* Twice as many stations as vertices: on coarse rims, stations between vertices bring the edges
+     * closer. */
     uint32_t count = 2 * (upper->count > lower->count ? upper->count : lower->count);
     count = count < LIPS_STATIONS_MAX ? count : LIPS_STATIONS_MAX;
     for (uint32_t i = 0; i < count; ++i) {
@@ -175,7 +178,7 @@ static bool pair_rims(bind_lips *out, const rim *upper, const rim *lower, const 
     return true;
 }
 
-/* ---- which vertices go with which rim ---- */
+/* ---- vertices that move with a rim ---- */
 
 static bool find_distances(double *out, const rim *of, double reach_mm, const mesh *m,
                            const topology *t)
@@ -188,7 +191,7 @@ static bool find_distances(double *out, const rim *of, double reach_mm, const me
     return is_done;
 }
 
-/* 1 on a rim, 0 on the other, smooth between. */
+/* Returns 1 on the own rim, 0 on the other one, smooth between. */
 static float share_of(double from_own_mm, double from_other_mm)
 {
     if (!isfinite(from_own_mm))
@@ -218,7 +221,7 @@ static mrt_result find_sides(bind_lips *out, const rim *upper, const rim *lower,
     return is_done ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for the mouth");
 }
 
-/* ---- made ---- */
+/* ---- creation ---- */
 
 static bool allocate(bind_lips *out, uint32_t vertex_count)
 {
@@ -245,7 +248,7 @@ static mrt_result find_stations(bind_lips *out, const rim *upper, const rim *low
     return result;
 }
 
-/* An empty rim where the rig declares none. */
+/* Returns an empty rim if the rig declares none. */
 static rim rim_of(const char *key, const uint32_t *vertex, uint32_t count)
 {
     return (rim){key, vertex, vertex ? count : 0};
