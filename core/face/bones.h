@@ -42,8 +42,8 @@ typedef struct bones {
 } bones;
 
 /* incisor: the jaw's, if the rig sets none. rig NULL: one fixed bone. Refuses two jaws, cyclic
- * parents, hinges and turns without an axis, reversed limits, turns that cannot follow the turn
- * they name, and more than MRT_MAX_DOFS degrees of freedom. */
+ * parents, and more than MRT_MAX_DOFS degrees of freedom. Also refuses hinges and turns without an
+ * axis, reversed limits, and turns that cannot follow the turn they name. */
 CHECKED mrt_result bones_init(bones *out, const rig *r, vec3 incisor, error *err);
 
 /* Computes the motion of each bone from the degrees of freedom (dof_count; NaN counts as 0); out:

@@ -1,7 +1,7 @@
 /* face/face_weights.h - a face as weights of shapes that other programs know by name: ARKit's 52
  * with Live Link Face's 9 turns, VRM's expressions, and visemes. They are computed from the face
- * shown, by bounded least squares over some hundred points of the skin and the degrees of freedom
- * of the bones. So they do not depend on the mapping.
+ * shown, so they do not depend on the mapping. The method is bounded least squares over some
+ * hundred points of the skin and the bones' degrees of freedom.
  *
  * A name stands for the mesh's own shape of that name (face_shape_parts: or its expression), else
  * for the rig's pose. A shape consists of bones at theta_k and of offsets d_k of the points,

@@ -1,6 +1,6 @@
-/* face/fit.h - fit of a rig to given shapes. For each morph target of a mesh with the same
- * vertices, finds the bone poses and the control vectors of the rig's contacts that come closest,
- * by least squares. [main] */
+/* face/fit.h - fit of a rig to given shapes. The shapes are morph targets of a mesh with the same
+ * vertices. For each of them a least-squares fit finds the closest bone poses and control vectors
+ * of the rig's contacts. [main] */
 #ifndef MAROTTE_FACE_FIT_H
 #define MAROTTE_FACE_FIT_H
 #include "face/face.h"

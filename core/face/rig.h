@@ -195,9 +195,9 @@ CHECKED mrt_result rig_read_trusted(rig *out, const char *path, error *err);
 /* Reads a rig from bytes, for tests and the fuzzer. `path` is used only for messages and
  * relative names. Includes are refused. */
 CHECKED mrt_result rig_parse(rig *out, const void *data, size_t size, const char *path, error *err);
-/* Writes everything that was read, with the changes to the struct's solver, contacts, regions,
- * bones, poses and contact sets. The result is one file, without includes. It is written under
- * another name and then renamed. */
+/* Writes everything that was read, with the current solver, contacts, regions, bones, poses and
+ * contact sets. The result is one file, without includes. It is written under another name and then
+ * renamed. */
 CHECKED mrt_result rig_write(const rig *r, const char *path, error *err);
 /* Deep copy, but the JSON that was read is shared. On error `out` is zeroed. [any] */
 CHECKED mrt_result rig_copy(rig *out, const rig *r, error *err);

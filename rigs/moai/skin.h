@@ -9,8 +9,8 @@
 
 enum { SKIN_NONE = -1, SKIN_RING = 32 };
 
-/* Constraints of a point when it moves. An edge is part of a line, which edits follow and never
- * cross, if both ends hold the same bit (and, with SKIN_LEVEL, have the same height). */
+/* Constraints of a point when it moves. An edge is part of a line if both ends hold the same bit
+ * (and, with SKIN_LEVEL, have the same height). Edits follow lines and never cross them. */
 enum {
     SKIN_FREE = 0,
     SKIN_MIDDLE = MIRROR_MIDDLE, /* stays at x = 0: the border where the two halves meet */

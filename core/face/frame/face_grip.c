@@ -55,7 +55,7 @@ double face_share_held(const face *f, const face_grip *grip)
     return sum;
 }
 
-/* No search is needed if all vertices are alike. */
+/* Skips the search if all vertices are alike. */
 static uint32_t slot_at(const face *f, vec3 at, uint32_t contact)
 {
     if (contact > 0)

@@ -2,16 +2,16 @@
  * through these steps:
  *
  * 1. Strain (measure_strain). The bones pose a triangle. The controls add a displacement with a
- *    gradient G in it, and a part s of the pulls, 0..1, maps the posed triangle by I + s G. Let m
- *    be how much G compresses the triangle (the negated least eigenvalue of the symmetric part of G
- *    in its plane), and t how steep G is along its normal. The strain of the triangle is
+ *    gradient G in it. A part s of the pulls, 0..1, maps the posed triangle by I + s G. Let m be
+ *    how much G compresses the triangle: the negated least eigenvalue of the symmetric part of G
+ *    in its plane. Let t be how steep G is along its normal. The strain of the triangle is
  *      s (m / M + t / T),   M < 1 and T as in strain.h.
  *    At a strain of 1 or less I + s G is positive definite in the plane of the triangle. Then the
  *    triangle does not turn over, and its normal turns by less than atan T. The strain is
  *    proportional to s, so 1 over the largest strain of all triangles is the part that can be
  *    given.
- *    There are two corrections. An edge that becomes too long also counts as strain
- *    (measure_stretches). And where the bones have already tilted a triangle, T is smaller
+ *    Two corrections follow. An edge that becomes too long also counts as strain
+ *    (measure_stretches). Where the bones have already tilted a triangle, T is smaller
  *    (leave_tilts), unless its projected area shows that it does not turn over (flip_strain).
  * 2. Yielding (yield_pulls). Where the strain is above 1, the pulls near it first yield to each
  *    other. They are softened by a ridge that grows with the strain (csrbf/soften.h). If that is
@@ -59,7 +59,7 @@ static const angle_sincos tilt_free = {.cos = 0.9563048, .sin = 0.2923717};
  * alone. */
 static const float made_stretch = 1.5f;
 
-/* If a group's bound exceeds its limit by this factor, the group is measured at once. Below, its
+/* If a group's bound exceeds its limit by this factor, the group is measured directly. Below, its
  * gradient is measured first, which is cheaper and often sufficient. */
 static const float excess_surely = 2.0f;
 

@@ -60,7 +60,7 @@ typedef struct limit_apart {
     double rotation;
 } limit_apart;
 
-enum { STILL = RIG_BONES_MAX, CARRIERS }; /* STILL stands for all bones that do not move */
+enum { STILL = RIG_BONES_MAX, CARRIERS }; /* STILL: all bones that do not move */
 
 static inline size_t limit_group_count(const face *f)
 {
@@ -123,8 +123,8 @@ rigid limit_motion_of(const face *f, uint32_t bone);
 /* Returns an upper bound of half the angle between the rotations of the group and a neighbouring
  * one. */
 angle_sincos limit_half_apart(face *f, const limit_group *g);
-/* Returns the room: the length of a gradient over the origin, times the group's steepness, below
- * which pulls cannot strain a triangle of the group too much in this pose. */
+/* Returns the room for pulls in this pose: a length of a gradient over the origin, times the
+ * group's steepness. Below it pulls cannot strain a triangle of the group too much. */
 float limit_room(face *f, size_t group);
 /* Sets strain_bounds.steepness and .room of all groups. */
 void limit_rooms_bounds(face *f, strain_bounds *out);

@@ -1,8 +1,8 @@
 /* face/frame/shape_solve.h - the weights of shapes that explain given motions: least squares with
- * bounds. Minimises 1/2 w' H w - b' w over low <= w <= high, by coordinate descent and Newton steps
- * on the free weights, starting at the weights of the frame before. Leaves out how H and b are made
- * (face_shapes.c). Private to this folder. Pure: a fixed order of sums and a fixed maximum of
- * rounds, so that the same input gives the same bits. [frame] */
+ * bounds. Minimises 1/2 w' H w - b' w over low <= w <= high. The method is coordinate descent with
+ * Newton steps on the free weights, starting at the weights of the frame before. Leaves out how H
+ * and b are made (face_shapes.c). Private to this folder. Pure: a fixed order of sums and a fixed
+ * maximum of rounds, so that the same input gives the same bits. [frame] */
 #ifndef MAROTTE_FACE_SHAPE_SOLVE_H
 #define MAROTTE_FACE_SHAPE_SOLVE_H
 #include <stddef.h>

@@ -311,7 +311,7 @@ static double apart(const checking *c, uint32_t v, uint32_t w)
 }
 
 /* Warns where two pieces touch but move differently, for example a head and its neck. Rigid
- * vertices are left out, because they are meant to move away from the skin. */
+ * vertices are left out, because they may move away from the skin. */
 static void check_parting(checking *c, const pieces *p)
 {
     enum { FEW = 4 }; /* points; fewer can touch by chance */

@@ -1,7 +1,7 @@
 /* face/rig/rig_document.h - the JSON of a rig: its file and the files that it includes, and the
- * source entry of each bone, region, contact and so on. Kept as long as the rig. So keys that this
- * version does not know are written back, and messages can name the entry. Private to this folder.
- * [main] */
+ * source entry of each bone, region, contact and so on. The rig owns it. So keys that this version
+ * does not know are written back, and messages can name the entry. Private to this folder. [main]
+ */
 #ifndef MAROTTE_FACE_RIG_DOCUMENT_H
 #define MAROTTE_FACE_RIG_DOCUMENT_H
 #include "base/budget.h"

@@ -358,8 +358,8 @@ static void add_held(drafting *d, const char *bone, json_t *select)
                                                 "mobility", is_clay, "select", select));
 }
 
-/* Adds the regions of a head on a body. The file's skin tells what turns with the head; without
- * a skin it is a matter of height. */
+/* Adds the regions of a head on a body. The file's skin decides which vertices turn with the head;
+ * without a skin their height decides. */
 static void add_body(drafting *d)
 {
     if (d->a.head_joint != MESH_NO_JOINT) {
@@ -646,8 +646,9 @@ static void draft_eyes(drafting *d)
     }
 }
 
-/* Jaw joints of human heads (theory 4.2) are at 0.44 of the way from chin to top and 0.55 from
- * back to front, a little inside the sides of the face. A skeleton or ears give a better place. */
+/* Jaw joints of human heads (theory 4.2) are 0.44 of the way from chin to top and 0.55 of the way
+ * from back to front. They are a little inside the sides of the face. A skeleton or ears give a
+ * better place. */
 enum { CLAY_OPEN_DEG = 10 }; /* for a jaw that only stretches the skin */
 
 static void draft_jaw(drafting *d)

@@ -225,7 +225,7 @@ static void add_pose(summed_pose *out, const rig_pose *pose)
     }
 }
 
-/* Returns the pose as it is shown: mouthClose is added to the rig's jawOpen in `sum`. */
+/* Returns the pose to show: mouthClose is added to the rig's jawOpen in `sum`. */
 static const rig_pose *shown_pose(summed_pose *sum, const rig *r, const rig_pose *pose)
 {
     const rig_pose *jaw = find_pose(r, "jawOpen");

@@ -3,11 +3,11 @@
  * long way between two places that are close together. The neck of the pocket is the pair (i, j)
  * with the greatest
  *   way(i, j) - steep |p_i - p_j|.
- * There the lips face each other: at the lowest line of the upper lip and the highest of the lower
- * one if they are apart, or at the foremost line if they touch.
- * Columns go outwards from the middle of the mouth until the pocket ends in the corners. If the
- * surface ends at the lips, as in a mouth without a bag, the way across the hole counts as long.
- * The rims are the chains of edges that follow the necks most closely, from corner to corner. */
+ * There the lips face each other. If they are apart, it is the lowest line of the upper lip and the
+ * highest of the lower one. If they touch, it is the foremost line. Columns go outwards from the
+ * middle of the mouth until the pocket ends in the corners. If the surface ends at the lips, as in
+ * a mouth without a bag, the way across the hole counts as long. The rims are the chains of edges
+ * that follow the necks most closely, from corner to corner. */
 #include "face/rig/rig_rims.h"
 
 #include "base/arrays.h"

@@ -9,8 +9,8 @@
 #include <string.h>
 
 /* Bounds of cotangents and areas, so that slivers do not dominate the operator. Negative cotangents
- * are correct: without them the weights of a quad would depend on its diagonal, and the two halves
- * of a face, if split alike instead of mirrored, would differ by 0.08. The system is still positive
+ * are correct: without them the weights of a quad would depend on its diagonal. The two halves of a
+ * face, if split alike instead of mirrored, would then differ by 0.08. The system is still positive
  * definite. */
 #define COTANGENT_LEAST (-1.0)
 #define COTANGENT_MOST  20.0

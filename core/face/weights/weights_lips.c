@@ -191,7 +191,7 @@ static bool find_distances(double *out, const rim *of, double reach_mm, const me
     return is_done;
 }
 
-/* Returns 1 on the own rim, 0 on the other one, smooth between. */
+/* Returns 1 on the first rim, 0 on the other one, smooth between. */
 static float share_of(double from_own_mm, double from_other_mm)
 {
     if (!isfinite(from_own_mm))
