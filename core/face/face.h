@@ -200,8 +200,7 @@ typedef struct face_meter {
                                  corrected it */
     uint32_t projected_count; /* number of vertices that the projection moved; for tests */
     float dof[MRT_MAX_DOFS];  /* as posed, including derived and limited values */
-    uint32_t
-        dropped_count; /* number of engaged controls that can move nothing, because of mobility 0 */
+    uint32_t dropped_count;   /* engaged controls that can move nothing (mobility 0) */
     double held_back_mm; /* greatest distance by which a control falls short of its end, because the
                             skin would fold or tear; 0 if nothing is held back */
 } face_meter;
@@ -226,8 +225,7 @@ typedef struct face_surface { /* state of the skin as shown, in both modes */
 } face_surface;
 /* Takes some 10 ns per triangle of skin. */
 face_surface face_judge(const face *f);
-/* Returns the greatest depth of a vertex below a proxy's floor as shown, mm; 0 if none is
- * below. */
+/* Returns the greatest depth of a vertex below a proxy's floor as shown, mm; 0 if all are above. */
 double face_penetration_mm(const face *f);
 
 #endif

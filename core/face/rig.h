@@ -65,8 +65,8 @@ typedef struct rig_follow { /* "follows": { "dof": "eye.l.pitch", "share": -0.6 
     double share;        /* -1..1; 0 if the turn follows none */
 } rig_follow;
 
-typedef struct rig_turn { /* of a ball: "turns": [ { "name", "axis": [x,y,z], "deg": [min, max] } ]
-                           */
+/* Of a ball: "turns": [ { "name", "axis": [x,y,z], "deg": [min, max] } ] */
+typedef struct rig_turn {
     char *name;
     vec3 axis; /* unit; right-handed */
     double min_rad, max_rad;
@@ -168,8 +168,7 @@ typedef struct rig {
     mesh_frame frame;   /* "mesh_unit", "mesh_up", "mesh_forward" of the mesh; zeros if not set */
     uint32_t mesh_vertex_count; /* "mesh_vertices": vertex count of its mesh; 0 if not set */
     uint64_t mesh_hash;         /* "mesh_hash": see rig_mesh_hash; 0 if not set */
-    uint32_t
-        *cut_mouth; /* "cut_mouth": the chain that mesh_cut_mouth opens in the mesh; NULL if none */
+    uint32_t *cut_mouth;        /* "cut_mouth": the chain for mesh_cut_mouth; NULL if none */
     uint32_t cut_mouth_count;
     rig_bone *bone;
     rig_region *region; /* in order: where two regions set the same vertex, the later one wins */

@@ -48,15 +48,16 @@ static mrt_result find_line(line *out, const skin *s, error *err)
         if (!is_on_line(s, v))
             continue;
         if (out->count == LINE_CAP)
-            return error_set(err, MRT_ERR_ARGUMENT, "more than %d points between the lips",
-                             LINE_CAP);
+            return error_set(err, MRT_ERR_ARGUMENT,
+                             "the line between the lips has more than %d points", LINE_CAP);
         int32_t i = out->count++;
         for (; i > 0 && s->point[out->vertex[i - 1]].x > s->point[v].x; --i)
             out->vertex[i] = out->vertex[i - 1];
         out->vertex[i] = v;
     }
     if (out->count < 3 || s->point[out->vertex[0]].x != 0.0)
-        return error_set(err, MRT_ERR_FORMAT, "no line between the lips begins at the middle");
+        return error_set(err, MRT_ERR_FORMAT,
+                         "the line between the lips does not begin at the middle");
     return MRT_OK;
 }
 
@@ -137,7 +138,8 @@ static mrt_result add_ring(loop *out, skin *s, const ring *r, const line *l, err
         if (result < 0)
             return result;
     }
-    return k == out->count ? MRT_OK : error_set(err, MRT_ERR_FORMAT, "a ring of the mouth is torn");
+    return k == out->count ? MRT_OK
+                           : error_set(err, MRT_ERR_FORMAT, "a ring of the mouth has a gap");
 }
 
 /* ---- connecting rings ---- */

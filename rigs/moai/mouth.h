@@ -4,7 +4,7 @@
 #define MAROTTE_RIGS_MOAI_MOUTH_H
 #include "skin.h"
 
-/* Fixes the points of the line, so that their number stays. */
+/* Fixes the points of the line, so that their number cannot change. */
 void mouth_hold_line(skin *half);
 /* Computes the number of triangles of the bag behind the line. */
 CHECKED mrt_result mouth_triangle_count(int32_t *out, const skin *half, error *err);

@@ -5,7 +5,7 @@
 enum { CELLS_CAP = 512 };
 
 typedef struct grid {
-    int32_t count[3]; /* corners along x, y, z; there is one cell less */
+    int32_t count[3]; /* corners along x, y, z; one more than cells */
     vec3 first;       /* the lowest corner; x is -cell/2, so that a layer of cells contains x = 0 */
     double cell_mm;
     float *value;    /* distance at the corners, x fastest */
@@ -38,7 +38,7 @@ static mrt_result grid_init(grid *out, vec3 low, vec3 high, double cell_mm, erro
         double cells = span[axis] / cell_mm + 2.0;
         if (!(cells > 2.0 && cells < CELLS_CAP))
             return error_set(err, MRT_ERR_ARGUMENT,
-                             "a grid of %g cells along axis %d; 3 to %d can be", cells, axis,
+                             "the grid has %g cells along axis %d: expected 3 to %d", cells, axis,
                              CELLS_CAP);
         out->count[axis] = (int32_t)cells + 1;
         total *= (size_t)out->count[axis];

@@ -108,7 +108,7 @@ mrt_result remesh_cut_level(skin *s, vec3 line_end, error *err)
         p.y = line_end.y;
         int32_t vertex = skin_split(s, h, p);
         if (vertex == SKIN_NONE)
-            return error_set(err, MRT_ERR_ARGUMENT, "the skin is full: it cannot be cut");
+            return error_set(err, MRT_ERR_ARGUMENT, "the skin is full and cannot be cut");
         s->hold[vertex] |= SKIN_LEVEL;
     }
     mark_line_ends(s);
@@ -154,7 +154,7 @@ static mrt_result split_long(skin *s, const form *shape, error *err)
         split_count = split_sweep(s, shape);
     } while (split_count > 0);
     if (split_count == SKIN_NONE)
-        return error_set(err, MRT_ERR_ARGUMENT, "the skin is full: ask for edges longer than %g",
+        return error_set(err, MRT_ERR_ARGUMENT, "the skin is full; use edges longer than %g",
                          shape->edge_scale);
     return MRT_OK;
 }
@@ -544,7 +544,7 @@ mrt_result remesh_reduce(skin *s, const form *shape, int32_t triangle_count, err
 {
     if (s->live_triangle_count < triangle_count)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "%d triangles are there, %d are wanted: ask for shorter edges",
+                         "the skin has %d triangles, but needs %d; use shorter edges",
                          s->live_triangle_count, triangle_count);
     plane *planes = planes_create(s, err);
     candidate *list = malloc(((size_t)s->triangle_count * 3 + 1) * sizeof *list);
@@ -557,7 +557,7 @@ mrt_result remesh_reduce(skin *s, const form *shape, int32_t triangle_count, err
     skin_compact(s);
     if (s->live_triangle_count > triangle_count) {
         result = error_set(err, MRT_ERR_ARGUMENT,
-                           "%d triangles are left, %d are wanted: ask for longer edges",
+                           "%d triangles are left instead of %d; use longer edges",
                            s->live_triangle_count, triangle_count);
         goto done;
     }

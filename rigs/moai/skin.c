@@ -60,7 +60,7 @@ static void link_twins(skin *s, int32_t h, int32_t g)
 mrt_result skin_add_point(skin *s, vec3 point, uint8_t hold, error *err)
 {
     if (append_vertex(s, point, hold) == SKIN_NONE)
-        return error_set(err, MRT_ERR_ARGUMENT, "the skin holds no more than %d vertices",
+        return error_set(err, MRT_ERR_ARGUMENT, "the skin has room for only %d vertices",
                          s->vertex_capacity);
     return MRT_OK;
 }
@@ -68,7 +68,7 @@ mrt_result skin_add_point(skin *s, vec3 point, uint8_t hold, error *err)
 mrt_result skin_add_triangle(skin *s, int32_t a, int32_t b, int32_t c, error *err)
 {
     if (s->triangle_count == s->triangle_capacity)
-        return error_set(err, MRT_ERR_ARGUMENT, "the skin holds no more than %d triangles",
+        return error_set(err, MRT_ERR_ARGUMENT, "the skin has room for only %d triangles",
                          s->triangle_capacity);
     for (int32_t k = 0; k < 3; ++k)
         s->twin[3 * s->triangle_count + k] = SKIN_NONE;

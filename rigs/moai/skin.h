@@ -20,10 +20,9 @@ enum {
 };
 
 typedef struct skin {
-    vec3 *point;   /* vertex_count, mm */
-    uint8_t *hold; /* vertex_count, SKIN_* bits */
-    int32_t
-        *edge; /* vertex_count: a half-edge that leaves the vertex; SKIN_NONE for a dead vertex */
+    vec3 *point;     /* vertex_count, mm */
+    uint8_t *hold;   /* vertex_count, SKIN_* bits */
+    int32_t *edge;   /* vertex_count: a half-edge that leaves it; SKIN_NONE for a dead vertex */
     int32_t *origin; /* half-edges, 3 per triangle: start vertex; SKIN_NONE for a dead triangle */
     int32_t *twin;   /* half-edges: the opposite one; SKIN_NONE on a border */
     int32_t vertex_count, triangle_count;       /* including dead ones */

@@ -371,8 +371,9 @@ static mrt_result init_ball(bones *b, uint32_t bone, error *err)
     for (uint32_t i = 0; i < ball->turn_count; ++i) {
         const rig_turn *t = &ball->turn[i];
         if (!(fabs(vec3_length(t->axis) - 1.0) < 1e-6))
-            return error_set(err, MRT_ERR_FORMAT, "bone %s: the axis of turn %s has length %g",
-                             ball->name, t->name, vec3_length(t->axis));
+            return error_set(err, MRT_ERR_FORMAT,
+                             "bone %s: the axis of turn %s has length %g: expected 1", ball->name,
+                             t->name, vec3_length(t->axis));
         if (!(t->min_rad <= 0.0 && t->max_rad >= 0.0 && isfinite(t->max_rad - t->min_rad)))
             return error_set(
                 err, MRT_ERR_FORMAT,
@@ -440,7 +441,8 @@ mrt_result bones_init(bones *out, const rig *r, vec3 incisor, error *err)
         mrt_result result = MRT_OK;
         out->first_dof[bone] = out->dof_count;
         if (parent != RIG_NONE && parent >= r->bone_count)
-            return error_set(err, MRT_ERR_FORMAT, "bone %s: its parent is bone %u of %u",
+            return error_set(err, MRT_ERR_FORMAT,
+                             "bone %s: its parent is bone %u, but the rig has only %u bones",
                              r->bone[bone].name, parent, r->bone_count);
         if (r->bone[bone].kind == BONE_JAW)
             result = init_jaw(out, bone, err);

@@ -14,7 +14,7 @@ static mrt_result check_binding(const binding *b, const rig *r, const mesh *m, e
     if (b->vertex_count != m->vertex_count || b->bone_count != bone_count || !b->weight ||
         !b->mobility)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "a binding of %u vertices to %u bones: expected %u and %u",
+                         "the binding has %u vertices and %u bones: expected %u and %u",
                          b->vertex_count, b->bone_count, m->vertex_count, bone_count);
     size_t weight_count = (size_t)b->bone_count * b->vertex_count;
     for (size_t i = 0; i < weight_count; ++i)
@@ -28,7 +28,8 @@ static mrt_result check_binding(const binding *b, const rig *r, const mesh *m, e
                              (double)b->mobility[i]);
     for (uint32_t i = 0; r && i < r->contact_count; ++i)
         if (r->contact[i].vertex >= m->vertex_count)
-            return error_set(err, MRT_ERR_FORMAT, "contact %s: vertex %u: the mesh has %u vertices",
+            return error_set(err, MRT_ERR_FORMAT,
+                             "contact %s: vertex %u does not exist, the mesh has %u vertices",
                              r->contact[i].name, r->contact[i].vertex, m->vertex_count);
     return MRT_OK;
 }

@@ -1304,7 +1304,7 @@ static void limit_pulls(face *f)
     f->is_given = true;
     for (uint32_t i = 0; i < f->shapes.count; ++i)
         f->shapes.given[i] = 1.0;
-    if (f->origin == &f->free) /* the result of the drag's own limit stays */
+    if (f->origin == &f->free) /* keep the result of the drag's own limit */
         return;
     f->meter.held_back_mm = 0.0;
     bool moves = f->control_count > 0 || face_shapes_weigh_something(f);

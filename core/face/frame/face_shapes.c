@@ -30,8 +30,8 @@ enum { FIT_POINTS = 256, FIT_STEPS = 12, EASINGS = 60, NOT_KNOWN = UINT32_MAX };
 static const double least_mm = 0.05;     /* least size of a shape that is used */
 static const double bone_least_mm = 0.3; /* least motion of bones in a shape */
 static const double bone_explains =
-    0.6; /* least share of the square that a bone must explain of what it carries; */
-static const double bone_part = 0.25; /* and of the whole shape */
+    0.6; /* least part of the square of its vertices' motion that a bone must explain; */
+static const double bone_part = 0.25; /* and least part of the whole shape's */
 static const double alike = 0.5;      /* cosine from which two shapes move a bone the same way */
 static const double carried = 0.9; /* least weight of a vertex that a bone carries nearly alone */
 static const float strain_most = 0.6f; /* for a shape alone; above 1 it may fold */

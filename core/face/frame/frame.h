@@ -168,11 +168,10 @@ typedef struct face_lips {
     uint32_t *group,
         group_count; /* groups of face_limit with triangles that it can move, ascending */
     uint32_t *block, block_count; /* blocks with vertices of these groups, ascending */
-    float *at_slot;  /* column capacity by slots: values of the face's columns at the slots */
-    float *steepest; /* of each station and each of these groups: the greatest length of the
-                        gradient of the sum of the columns from that station on */
-    float
-        *steepness; /* scratch: of each of these groups: upper bound of the gradient of the seal */
+    float *at_slot;   /* column capacity by slots: values of the face's columns at the slots */
+    float *steepest;  /* of each station and each of these groups: the greatest length of the
+                         gradient of the sum of the columns from that station on */
+    float *steepness; /* scratch: of each of these groups: bound of the seal's gradient */
 
     double *x, *y, *z;     /* scratch: of each slot: its position by bones and pulls */
     double *upper, *lower; /* scratch: count by 3: the rims */

@@ -146,7 +146,7 @@ typedef enum easing {
 } easing; /* FLOORED: only moves vertices out of other ellipsoids */
 
 /* Eases a block. part: how far each vertex moves away from the centre, as a share of its distance.
- * sunk: the same as far as its floor, negative above it. Computes every lane, even if unused, so
+ * sunk: the same up to its floor only, negative above it. Computes every lane, even if unused, so
  * that the loop runs on whole vectors. */
 static void ease_block(float *restrict part, float *restrict sunk, const block_sizes *sizes,
                        const projection_block *b, easing rule)

@@ -16,9 +16,8 @@
 #include <string.h>
 
 enum { REGIONS_MAX = 200 };
-#define DRAFT_MOST                                                                                 \
-    (8u * LAPLACE_FREE_MOST) /* vertices; at least an eighth of a head is its face                 \
-                              */
+/* Greatest number of vertices. At least an eighth of a head is its face. */
+#define DRAFT_MOST (8u * LAPLACE_FREE_MOST)
 #define NECK       0.6  /* of the reach: depth below the chin to which pulls draw the skin along */
 #define EYE_REACH  1.28 /* of an eyeball's radius: inside this sphere the skin cannot be pulled */
 #define EYE_FREE   1.6  /* of an eyeball's radius: outside this sphere the mobility is 1 */
@@ -26,8 +25,7 @@ enum { REGIONS_MAX = 200 };
 #define MOUTH_DEEP 0.45 /* of the reach: depth behind other skin from which the mobility is 0 */
 #define LID_REACH  1.22 /* of an eyeball's radius: greatest distance of a lid from the centre */
 
-typedef enum ambition { /* contents of a draft; the next level is tried if a draft cannot be loaded
-                         */
+typedef enum ambition { /* contents of a draft; reduced if a draft cannot be loaded */
                         ALL = 0,
                         WITHOUT_LIDS,
                         WITHOUT_PIECES,
@@ -308,7 +306,7 @@ static void add_region(drafting *d, const char *bone, const char *key, json_t *v
     json_array_append_new(d->regions, region);
 }
 
-/* Adds the region of a head without a body that cannot be pulled. */
+/* Adds the region that cannot be pulled, for a head without a body. */
 static void add_cranium(drafting *d)
 {
     const rig_head *head = &d->head;
@@ -1030,7 +1028,7 @@ mrt_result rig_draft_teeth(rig *r, const mesh *m, const topology *t, error *err)
 
 typedef struct trial {
     bool has_lids; /* false: the lids can hardly close, and are better left out */
-    bool opens;    /* the jaw opens at least as far as in clay */
+    bool opens;    /* the jaw opens by at least CLAY_OPEN_DEG */
 } trial;
 
 /* Moves every bone to its ends, and shortens its range where the skin would fold. */

@@ -395,7 +395,8 @@ static mrt_result check_jaw(const rig *r, uint32_t bone, const rig_edit_jaw *jaw
     if (bone >= r->bone_count || r->bone[bone].kind != BONE_JAW)
         return error_set(err, MRT_ERR_ARGUMENT, "the rig has no jaw");
     if (!is_position(jaw->left) || !is_position(jaw->right) || !is_position(jaw->incisor))
-        return error_set(err, MRT_ERR_ARGUMENT, "the axis of the jaw is too far away");
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "the jaw is too far away: expected coordinates within 1000000 mm");
     if (!(jaw->left.x - jaw->right.x >= least_width_mm))
         return error_set(
             err, MRT_ERR_ARGUMENT,
@@ -404,7 +405,9 @@ static mrt_result check_jaw(const rig *r, uint32_t bone, const rig_edit_jaw *jaw
     if (!(jaw->open_min_rad <= 0.0 && jaw->open_min_rad >= -widest_rad) ||
         !(jaw->open_max_rad > 0.0 && jaw->open_max_rad <= widest_rad) || !is_way(jaw->lateral_mm) ||
         !is_way(jaw->forward_mm) || !is_way(jaw->slide_mm))
-        return error_set(err, MRT_ERR_ARGUMENT, "the limits of the jaw are out of range");
+        return error_set(
+            err, MRT_ERR_ARGUMENT,
+            "the limits of the jaw are out of range: expected at most 90 degrees and 10000 mm");
     return MRT_OK;
 }
 
@@ -1159,7 +1162,8 @@ static mrt_result check_pose(const rig *r, const rig_pose *pose, error *err)
             return error_set(err, MRT_ERR_ARGUMENT, "no bone has the degree of freedom \"%s\"",
                              pose->dof_name[i]);
         if (!(fabs(pose->dof_value[i]) <= most))
-            return error_set(err, MRT_ERR_ARGUMENT, "the pose turns a bone too far");
+            return error_set(err, MRT_ERR_ARGUMENT,
+                             "the pose moves a bone too far: expected values within 100 rad or mm");
     }
     for (uint32_t i = 0; i < pose->pull_count; ++i)
         if (pose->pull_contact[i] >= r->contact_count || !is_position(pose->pull_mm[i]))

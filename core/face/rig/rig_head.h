@@ -18,10 +18,9 @@ typedef struct rig_head { /* mm */
                                 mouth is found */
     double lip_upper_y, lip_lower_y; /* heights where the lips stand out again */
     double corner_x; /* distance of the corner of the mouth from the middle; 0 if not found */
-    double
-        groove_y[RIG_GROOVE]; /* height of the groove, from the middle to corner_x in equal steps */
-    double top_y, back_z;     /* of the part above the chin */
-    double half_width;        /* of the face's front at the height of the nose */
+    double groove_y[RIG_GROOVE]; /* of the groove, in equal steps from the middle to corner_x */
+    double top_y, back_z;        /* of the part above the chin */
+    double half_width;           /* of the face's front at the height of the nose */
 } rig_head;
 
 /* is_face: vertex_count: 0 for vertices to ignore, such as hair and bodies; NULL: all belong to the

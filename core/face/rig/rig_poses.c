@@ -526,8 +526,8 @@ static mrt_result find_ways(vec3 *out, face *f, const csrbf_settings *solver, ui
     return MRT_OK;
 }
 
-/* Names the contacts that the contacts named so far do not bring to their place. Repeats until no
- * contact is added. */
+/* Adds pulls of contacts that the other pulled contacts do not bring to their place. Repeats until
+ * no contact is added. */
 static mrt_result add_pulls(rig_pose *out, const face *f, const rig *r,
                             const csrbf_settings *solver, const vec3 *way, error *err)
 {

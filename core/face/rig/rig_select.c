@@ -13,7 +13,7 @@ enum { LIST_TEXT = 400 };
 
 static mrt_result no_memory(error *err)
 {
-    return error_set(err, MRT_ERR_MEMORY, "no memory to lay the rig on the mesh");
+    return error_set(err, MRT_ERR_MEMORY, "no memory to apply the rig to the mesh");
 }
 
 /* ---- distances along the surface (Dijkstra 1959) ---- */
@@ -376,7 +376,7 @@ static mrt_result select_joint(float *out, const rig_select *select, selecting *
         for (uint32_t i = 0; i < m->joint_count; ++i)
             list_name(list, m->joint[i].name);
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s.joint: no vertex of the mesh is skinned to a joint \"%s\"; it has: %s",
+                         "%s.joint: the skin of the mesh has no joint \"%s\"; it has: %s",
                          path_of(select), select->name, list[0] ? list : "none");
     }
     uint8_t *is_below = calloc((size_t)m->joint_count + 1, 1);
@@ -563,7 +563,7 @@ static float *weight_at(const marking *k, uint32_t bone, uint32_t vertex)
     return &k->marks->weight[(size_t)bone * k->m->vertex_count + vertex];
 }
 
-/* Sets a weight. Other bones keep their shares as far as there is room beside the new one. A share
+/* Sets a weight. Other bones keep their shares, or share the room that the new one leaves. A share
  * of 1 sets all others to 0. */
 static void mark_weight(const marking *k, uint32_t vertex, uint32_t bone, float weight)
 {

@@ -829,7 +829,7 @@ static void write_mouth(json_t *root, const rig *r)
         return;
     }
     if (mouth->fault)
-        return; /* leave it as it is in the file */
+        return; /* keep the text of the file */
     json_t *out = get_object(root, "mouth");
     json_object_set_new(out, "upper", rim_to_json(mouth->upper, mouth->upper_count));
     json_object_set_new(out, "lower", rim_to_json(mouth->lower, mouth->lower_count));

@@ -18,8 +18,7 @@ typedef struct weights {
     const bind_marks *marks, *painted;
     const rig *rig;
     const mesh *mesh;
-    uint32_t
-        *component; /* vertex_count: piece of the surface; component_count for isolated vertices */
+    uint32_t *component; /* vertex_count: piece; component_count for isolated vertices */
     uint32_t component_count;
     uint8_t *is_given, *is_free, *is_settled; /* vertex_count each */
     uint8_t *has_mark;                        /* component_count + 1 */
@@ -205,8 +204,7 @@ typedef struct following {
     uint8_t *is_leader;   /* vertex_count: scratch */
     int32_t *vote;        /* component_count + 1: > 0 if it follows rigid vertices */
     double *least, *most; /* component_count + 1: squared distances from the leaders */
-    uint32_t
-        *on_rigid; /* vertex_count: nearest rigid leader; the nearest other one is in out_leader */
+    uint32_t *on_rigid;   /* vertex_count: nearest rigid leader; out_leader has the others */
 } following;
 
 static double distance_squared(const mesh *m, size_t v, size_t other)
