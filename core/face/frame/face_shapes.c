@@ -360,7 +360,7 @@ static void ease_folds(learning *l)
     }
 }
 
-/* Notes the greatest lengths of the edges in the shape, and teaches it to the surface meter.
+/* Notes the greatest lengths of the edges in the shape. Registers the shape with the surface meter.
  * f->before is scratch. */
 static mrt_result note_edges(learning *l, error *err)
 {
