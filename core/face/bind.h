@@ -1,13 +1,13 @@
-/* face/bind.h - a rig laid on its mesh: per vertex the bones that move it, how freely it can be
- * pulled, and where the contacts are. Arrays in the file's order. [main] makes it; read-only then.
- */
+/* face/bind.h - a rig applied to its mesh: the weights of the bones and the mobility per vertex,
+ * and the places of the contacts. Arrays are in the file's order. Created on [main], read-only
+ * afterwards. */
 #ifndef MAROTTE_FACE_BIND_H
 #define MAROTTE_FACE_BIND_H
 #include "face/rig.h"
 #include "mesh/mesh.h"
 #include "mesh/topology.h"
 
-/* What the rig's regions say, before anything is filled in. */
+/* The values that the rig's regions set, before the fill. */
 typedef struct bind_marks {
     uint32_t *rigid_bone; /* vertex_count: the bone that a vertex is rigid on, or RIG_NONE */
     float *weight;        /* bone_count by vertex_count: 0..1 where marked, NaN where free */
@@ -15,30 +15,30 @@ typedef struct bind_marks {
 } bind_marks;
 CHECKED mrt_result bind_marks_create(bind_marks *out, const rig *r, const mesh *m,
                                      const topology *t, error *err);
-/* The same without what is painted (rig_region_is_paint). A bone may have no vertex. */
+/* The same without painted regions (rig_region_is_paint). A bone may have no vertex. */
 CHECKED mrt_result bind_marks_create_bare(bind_marks *out, const rig *r, const mesh *m,
                                           const topology *t, error *err);
 void bind_marks_destroy(bind_marks *marks);
 
-/* The mesh's focus (mesh_focus): around what no region gives to a body, a bone that the skull turns
- * on; none where there is no body. */
+/* Sets the mesh's focus (mesh_focus): the vertices that no region gives to a body. A body is a bone
+ * that the skull turns on. Without a body the mesh has no focus. */
 void bind_focus(mesh *m, const rig *r, const topology *t);
 
-/* Evaluates a selector: out (vertex_count) 0..1. Out of a budget, as the marks. */
+/* Evaluates a selector: out (vertex_count) 0..1. A budget limits the work, as for the marks. */
 CHECKED mrt_result bind_select(float *out, const rig_select *select, const mesh *m,
                                const topology *t, error *err);
 
-typedef struct bind_start { /* a vertex, and how far it is already, mm */
+typedef struct bind_start { /* a vertex to start from, and its initial distance, mm */
     uint32_t vertex;
     double distance_mm;
 } bind_start;
-/* How far vertices are along the edges of the surface from the nearest of several. out_distance:
- * vertex_count, mm; infinite beyond reach_mm and where no edges lead. false: no memory. Any
- * thread. */
+/* Computes the distance of each vertex from the nearest start, along the edges of the surface.
+ * out_distance: vertex_count, mm; infinite beyond reach_mm and where no edges lead. Returns false
+ * without memory. [any] */
 CHECKED bool bind_distances(double *out_distance, const bind_start *start, uint32_t start_count,
                             double reach_mm, const mesh *m, const topology *t);
 
-/* A place on a rim: between two of its vertices. */
+/* A place on a rim, between two of its vertices. */
 typedef struct bind_station {
     uint32_t vertex[2];
     double along; /* 0..1, from the first to the second */
@@ -46,19 +46,19 @@ typedef struct bind_station {
 
 enum { BIND_FAULT = 256 };
 
-/* The slit between the lips (rig_mouth) in stations from the subject's right corner to the left:
- * each is a point of the upper rim, and the point of the lower rim that it faces. */
+/* The slit between the lips (rig_mouth), as stations from the subject's right corner to the left.
+ * Each station is a point of the upper rim and the opposite point of the lower rim. */
 typedef struct bind_lips {
     bind_station *upper, *lower; /* station_count each */
-    uint32_t station_count;      /* 0: the lips cannot be sealed */
-    vec3 across, up;             /* unit: to the left corner, and square to it */
+    uint32_t station_count;      /* 0 if the lips cannot be sealed */
+    vec3 across, up;             /* unit: towards the left corner, and perpendicular to it */
     double width_mm;             /* from corner to corner */
-    float *of_upper, *of_lower;  /* vertex_count: how far a vertex goes with that rim, 0..1; by
-                                    distances along the surface, so never across the slit */
-    char why_not[BIND_FAULT]; /* one sentence: why a mouth that the rig declares cannot be sealed */
+    float *of_upper, *of_lower;  /* vertex_count: how far a vertex moves with that rim, 0..1; based
+                                    on distances along the surface, so never across the slit */
+    char why_not[BIND_FAULT];    /* message: why a declared mouth cannot be sealed */
 } bind_lips;
 
-/* Where a station is at rest, mm. */
+/* Position of a station at rest, mm. */
 vec3 bind_station_position(const bind_station *station, const mesh *m);
 
 typedef struct binding {
@@ -69,15 +69,15 @@ typedef struct binding {
     bind_lips lips;
 } binding;
 
-/* Marks, then the fill over the surface. A contact that names its bone rides on it wholly. A NULL
- * rig: one bone, everything free (t may be NULL then). */
+/* Evaluates the marks, then fills the weights over the surface. A contact that names its bone moves
+ * wholly with it. rig NULL: one bone, everything free (t may be NULL then). */
 CHECKED mrt_result binding_create(binding *out, const rig *r, const mesh *m, const topology *t,
                                   error *err);
-/* One sentence: why the mouth that the rig declares cannot be sealed; "": it can, or it declares
+/* Writes why a declared mouth cannot be sealed. Writes "" if it can be, or if the rig declares
  * none. */
 CHECKED mrt_result bind_lips_fault(char out[BIND_FAULT], const rig *r, const mesh *m,
                                    const topology *t, error *err);
-/* contact_count: of the rig it was made for; 0: of none. */
+/* contact_count: of the rig that b was made for; 0 if it has none. */
 CHECKED mrt_result binding_copy(binding *out, const binding *b, uint32_t contact_count, error *err);
 void binding_destroy(binding *b);
 

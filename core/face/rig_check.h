@@ -1,12 +1,12 @@
-/* face/rig_check.h - is this rig right for this mesh? rig_validate says what makes it unusable;
- * rig_check says everything that a person should look at. [main] */
+/* face/rig_check.h - checks of a rig against its mesh. rig_validate reports the first error that
+ * makes the rig unusable; rig_check reports everything that a person should look at. [main] */
 #ifndef MAROTTE_FACE_RIG_CHECK_H
 #define MAROTTE_FACE_RIG_CHECK_H
 #include "face/bind.h"
 
-/* The first of: another vertex count, a vertex that is not there, a selector that names nothing, a
- * bone without vertices, overlapping rigid regions, a hinge with its ends exchanged, a contact on a
- * seam between bones. Messages begin with the JSON path. */
+/* Reports the first of these errors: another vertex count, a vertex that does not exist, a selector
+ * that names nothing, a bone without vertices, overlapping rigid regions, a hinge with its ends
+ * exchanged, a contact on a seam between bones. Messages begin with the JSON path. */
 CHECKED mrt_result rig_validate(const rig *r, const mesh *m, const topology *t, error *err);
 
 typedef enum rig_severity { RIG_NOTE = 0, RIG_WARNING, RIG_ERROR } rig_severity;
@@ -14,7 +14,7 @@ typedef enum rig_severity { RIG_NOTE = 0, RIG_WARNING, RIG_ERROR } rig_severity;
 typedef struct rig_finding {
     rig_severity severity;
     char path[128]; /* JSON path */
-    char text[512]; /* one line: what, and what to do */
+    char text[512]; /* one line: the finding, and what to do */
 } rig_finding;
 
 typedef struct rig_findings {
@@ -22,13 +22,13 @@ typedef struct rig_findings {
     uint32_t count, capacity;
 } rig_findings;
 
-/* Fills `out`; an error only where there is no memory. `b`: the binding where one could be made,
- * or NULL: then what needs filled weights is left out. */
+/* Fills `out`. Returns an error only if there is no memory. b: the binding, or NULL if none could
+ * be made; checks that need filled weights are then left out. */
 CHECKED mrt_result rig_check(rig_findings *out, const rig *r, const mesh *m, const topology *t,
                              const binding *b, error *err);
-/* Adds how far the fold guard holds each pose back, warnings above 0.5 mm; and how near complete
- * poses come to what the contacts that they name do alone (rig_poses_complete). Some ms for each
- * pose. The rig is valid. */
+/* Adds how far the limit holds each pose back, as a warning above 0.5 mm. Also adds how much
+ * complete poses differ from poses with only the named contacts (rig_poses_complete). Takes some ms
+ * per pose. The rig must be valid. */
 CHECKED mrt_result rig_check_poses(rig_findings *out, const rig *r, const mesh *m,
                                    const topology *t, const binding *b, error *err);
 void rig_findings_finish(rig_findings *findings); /* accepts zeroed */

@@ -1,8 +1,8 @@
-/* face/rig_edit.h - changes of a rig in memory, as a person makes them: numbers that change become
- * what a hand can mean (0.01 mm, 0.01 degrees, shares of 0.001). Each leaves a rig that can be
- * written and read again, or an error and the rig as it was. Leaves out what is undone
- * (window/rig/model.h) and whether the rig fits its mesh (rig_check.h). Vertices are the mesh
- * file's. [any], one at a time */
+/* face/rig_edit.h - edits of a rig in memory. Changed numbers are rounded to what a person can set
+ * by hand (0.01 mm, 0.01 degrees, shares of 0.001). After each edit the rig can be written and read
+ * again; on error the rig is unchanged. Leaves out the undo commands (window/rig/model.h) and the
+ * check against the mesh (rig_check.h). Vertices are indices of the mesh file. [any], one call at a
+ * time */
 #ifndef MAROTTE_FACE_RIG_EDIT_H
 #define MAROTTE_FACE_RIG_EDIT_H
 #include "face/rig.h"
@@ -10,12 +10,13 @@
 
 /* ---- regions: later ones win ---- */
 
-typedef struct rig_edit_says { /* what a region says of its vertices, see rig_region */
-    uint32_t bone;             /* RIG_NONE: only mobility is said */
+typedef struct rig_edit_says { /* values that a region sets for its vertices, see rig_region */
+    uint32_t bone;             /* RIG_NONE: the region sets only mobility */
     bool is_rigid;
-    double weight, mobility; /* NaN: says nothing; both NaN where it is rigid */
+    double weight, mobility; /* NaN: not set; both NaN for a rigid region */
 } rig_edit_says;
-/* Behind the others, of no vertex yet. name NULL or "": none; else no other region's. */
+/* Appends a region without vertices. name: NULL or "" for none, else not the name of another
+ * region. */
 CHECKED mrt_result rig_edit_add_region(rig *r, const char *name, const rig_edit_says *says,
                                        uint32_t *out_index, error *err);
 CHECKED mrt_result rig_edit_remove_region(rig *r, uint32_t index, error *err);
@@ -23,22 +24,22 @@ CHECKED mrt_result rig_edit_move_region(rig *r, uint32_t index, uint32_t to, err
 CHECKED mrt_result rig_edit_name_region(rig *r, uint32_t index, const char *name, error *err);
 CHECKED mrt_result rig_edit_set_region(rig *r, uint32_t index, const rig_edit_says *says,
                                        error *err);
-/* RIG_NONE: no region has it. */
+/* RIG_NONE if no region has this name. */
 uint32_t rig_edit_find_region(const rig *r, const char *name);
 
-/* Whether a region's vertices are given one by one, so that a brush can change them. */
+/* True if the vertices of a region are listed one by one, so that a brush can change them. */
 bool rig_edit_can_paint(const rig *r, uint32_t index);
-/* The shares of such a region, in 255ths. */
+/* Writes the shares of such a region, in 255ths. */
 void rig_edit_values(uint8_t *out, const rig *r, uint32_t index, uint32_t vertex_count);
-/* They become the region's, whatever selected its vertices before: stored as vertex numbers where
- * all are 0 or 255, else as paint. */
+/* Replaces the selector of a region by these shares. They are stored as vertex numbers if all are 0
+ * or 255, else as paint. */
 CHECKED mrt_result rig_edit_paint(rig *r, uint32_t index, const uint8_t *value,
                                   uint32_t vertex_count, error *err);
 
-/* "part teeth_lower*, inside a box": for people. */
+/* Describes a selector for people: "part teeth_lower*, inside a box". */
 void rig_edit_describe(const rig_select *select, char *out, size_t capacity);
 
-/* Of which entry a message's JSON path speaks. */
+/* The kind of entry that the JSON path of a message points to. */
 typedef enum rig_edit_kind {
     RIG_EDIT_OTHER = 0,
     RIG_EDIT_REGION,
@@ -51,46 +52,47 @@ rig_edit_kind rig_edit_kind_at(const rig *r, const char *path, uint32_t *out_ind
 
 CHECKED mrt_result rig_edit_add_contact(rig *r, const char *name, uint32_t vertex,
                                         uint32_t *out_index, error *err);
-/* It goes out of contact sets and poses too. */
+/* Also removes it from contact sets and poses. */
 CHECKED mrt_result rig_edit_remove_contact(rig *r, uint32_t index, error *err);
 CHECKED mrt_result rig_edit_name_contact(rig *r, uint32_t index, const char *name, error *err);
 CHECKED mrt_result rig_edit_move_contact(rig *r, uint32_t index, uint32_t vertex, error *err);
-/* bone RIG_NONE: by the weights of its vertex. */
+/* bone RIG_NONE: moves by the weights of its vertex. */
 CHECKED mrt_result rig_edit_ride(rig *r, uint32_t index, uint32_t bone, error *err);
-/* The contact on the other side (NAME.l has NAME.r; made when there is none) is put to `vertex`,
- * and each is the other's mirror. */
+/* Moves the contact on the other side (NAME.r for NAME.l) to `vertex`, and links both as mirrors.
+ * Creates that contact if it does not exist. */
 CHECKED mrt_result rig_edit_mirror_contact(rig *r, uint32_t index, uint32_t vertex, error *err);
 
-/* "eye.l" gives "eye.r" and the other way round; false: it has no side. */
+/* Turns "eye.l" into "eye.r" and vice versa. Returns false if the name has no side. */
 bool rig_edit_other_side(const char *name, char *out, size_t capacity);
 
-/* ---- bones: the first one carries the face and stays ---- */
+/* ---- bones: the first one carries the face and cannot be changed ---- */
 
-/* Of the first bone. A jaw turns about an axis of that half width through `at`, with an adult's
- * limits, and there is one; a ball turns about `at`, up and down and to the sides. Nothing rides on
- * it yet. */
+/* Adds a child of the first bone that moves nothing yet. A jaw turns about an axis of that half
+ * width through `at`, with an adult's limits; a rig can have only one. A ball turns about `at`, up
+ * and down and to the sides. */
 CHECKED mrt_result rig_edit_add_bone(rig *r, const char *name, rig_bone_kind kind, vec3 at,
                                      double half_mm, uint32_t *out_index, error *err);
-/* What rode on it rides on its parent; poses no longer move it. */
+/* Everything that moved with it moves with its parent. Poses no longer move it. */
 CHECKED mrt_result rig_edit_remove_bone(rig *r, uint32_t index, error *err);
-/* Poses follow. */
+/* Poses are updated. */
 CHECKED mrt_result rig_edit_name_bone(rig *r, uint32_t index, const char *name, error *err);
 CHECKED mrt_result rig_edit_set_ball(rig *r, uint32_t index, vec3 centre, double radius_mm,
                                      error *err);
-/* On a bone that is listed before it; RIG_NONE: on none. */
+/* parent: a bone that is listed before it, or RIG_NONE. */
 CHECKED mrt_result rig_edit_ride_bone(rig *r, uint32_t index, uint32_t parent, error *err);
 
-/* The turns of a ball, 1 to RIG_TURNS_MAX, the first is applied last. Copied; the axis becomes
- * unit; the limits are around 0, at most half a turn away. A new one follows none. */
+/* Edit the turns of a ball, 1 to RIG_TURNS_MAX; the first is applied last. The turn is copied and
+ * its axis becomes a unit vector. The limits lie around 0, at most half a turn away. A new turn
+ * cannot follow another. */
 CHECKED mrt_result rig_edit_add_turn(rig *r, uint32_t bone, const rig_turn *turn,
                                      uint32_t *out_index, error *err);
-/* Poses no longer turn by it, and no turn follows it. One stays. */
+/* Removes it from poses, and from turns that follow it. The last turn cannot be removed. */
 CHECKED mrt_result rig_edit_remove_turn(rig *r, uint32_t bone, uint32_t turn, error *err);
-/* Poses follow its name. */
+/* Poses use the new name. */
 CHECKED mrt_result rig_edit_set_turn(rig *r, uint32_t bone, uint32_t turn, const rig_turn *to,
                                      error *err);
 
-/* ---- what the skin does not enter ---- */
+/* ---- collision shapes ---- */
 
 CHECKED mrt_result rig_edit_add_proxy(rig *r, const rig_proxy *proxy, uint32_t *out_index,
                                       error *err);
@@ -99,16 +101,16 @@ CHECKED mrt_result rig_edit_set_proxy(rig *r, uint32_t index, const rig_proxy *p
 
 /* ---- poses ---- */
 
-/* Copied. Its name is no other pose's. */
+/* Copies the pose. Its name must differ from those of all other poses. */
 CHECKED mrt_result rig_edit_add_pose(rig *r, const rig_pose *pose, uint32_t *out_index, error *err);
 CHECKED mrt_result rig_edit_remove_pose(rig *r, uint32_t index, error *err);
 CHECKED mrt_result rig_edit_name_pose(rig *r, uint32_t index, const char *name, error *err);
 
 /* ---- the mouth ---- */
 
-/* Copied. Whether the rims can be sealed is seen on the mesh (bind_lips). */
+/* Copies the mouth. Whether its rims can be sealed is checked on the mesh (bind_lips). */
 CHECKED mrt_result rig_edit_set_mouth(rig *r, const rig_mouth *mouth, error *err);
-/* Poses no longer seal the lips. */
+/* Also removes the seal from poses. */
 void rig_edit_remove_mouth(rig *r);
 
 /* ---- the jaw ---- */
@@ -121,22 +123,23 @@ typedef struct rig_edit_jaw {
 void rig_edit_jaw_of(rig_edit_jaw *out, const rig *r, uint32_t bone);
 CHECKED mrt_result rig_edit_set_jaw(rig *r, uint32_t bone, const rig_edit_jaw *jaw, error *err);
 
-/* ---- undo: a rig that is being edited, with what it was before each change ---- */
+/* ---- undo history of a rig ---- */
 
-/* Numbered states, 0 the first; the newest RIG_HISTORY_MAX are kept. [any], one at a time */
-enum { RIG_HISTORY_MAX = 1025 }; /* 1 024 changes; a state of the puppet takes 40 KB */
+/* Numbered states, beginning with 0; the newest RIG_HISTORY_MAX are kept. [any], one call at a
+ * time */
+enum { RIG_HISTORY_MAX = 1025 }; /* 1024 edits; a state of the puppet takes 40 KB */
 typedef struct rig_history rig_history;
 
-/* Takes `first` over, also on error. */
+/* Takes ownership of `first`, also on error. */
 CHECKED mrt_result rig_history_create(rig_history **out, rig *first, error *err);
-void rig_history_destroy(rig_history *self); /* NULL is fine */
+void rig_history_destroy(rig_history *self); /* accepts NULL */
 
-const rig *rig_history_now(const rig_history *self); /* until the next change */
+const rig *rig_history_now(const rig_history *self); /* valid until the next change */
 uint64_t rig_history_number(const rig_history *self);
-/* The rig as changed (a rig_copy of the one now) becomes the next state, and is taken over. States
- * that were undone are forgotten. */
+/* Appends `changed`, a modified rig_copy of the current state, and takes ownership of it. Discards
+ * states that were undone. */
 void rig_history_push(rig_history *self, rig *changed);
-/* Goes to a state that is kept; false: it is not. */
+/* Makes a stored state current. Returns false if it was evicted. */
 bool rig_history_go(rig_history *self, uint64_t number);
 
 #endif

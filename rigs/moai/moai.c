@@ -1,5 +1,6 @@
-/* rigs/moai/moai.c - generate_moai: writes moai.glb, the head of a Moai as a closed mesh of 7152
- * triangles with a mouth that opens, exactly symmetric in x, the same bytes on every run. */
+/* rigs/moai/moai.c - generate_moai: writes moai.glb, the head of a Moai. It is a closed mesh of
+ * 7152 triangles with a mouth that opens, exactly symmetric in x. Each run writes the same
+ * bytes. */
 #include "mirror.h"
 #include "mouth.h"
 #include "nets.h"
@@ -10,7 +11,7 @@
 
 enum { HALF_TRIANGLES = 7152 / 2, ADAPT_ROUNDS = 14 };
 
-/* Gives a few triangles more than wanted, which remesh_reduce takes away. */
+/* Gives slightly more triangles than wanted. remesh_reduce removes them. */
 static const double EDGE_SCALE = 1.135;
 static const double GRID_CELL_MM = 2.0;
 
@@ -19,7 +20,7 @@ static const mesh_material STONE = {.base_colour = {0.255f, 0.225f, 0.185f, 1.0f
 static const mesh_material MOUTH = {.base_colour = {0.008f, 0.0065f, 0.0055f, 1.0f},
                                     .roughness = 0.95f};
 
-/* The half at x >= 0; its triangles from *out_first_mouth on are the mouth. */
+/* Makes the half at x >= 0. Its triangles from *out_first_mouth on are the mouth. */
 static mrt_result carve(skin *out, int32_t *out_first_mouth, error *err)
 {
     const form shape = {sculpt_distance, sculpt_edge_mm, EDGE_SCALE};
@@ -45,7 +46,7 @@ static mrt_result carve(skin *out, int32_t *out_first_mouth, error *err)
     return result;
 }
 
-/* The half's triangles from `first` on and their mirror images become the mesh's next part. */
+/* Adds the half's triangles from `first` on, and their mirror images, as the mesh's next part. */
 static mrt_result place_part(mesh *m, const skin *half, const uint32_t *image, int32_t first,
                              int32_t count, const char *name, const mesh_material *look, error *err)
 {

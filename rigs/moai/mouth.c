@@ -4,11 +4,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A ring of the bag: half an ellipse, from the middle above round the corner to the middle below,
- * as deep behind the slit everywhere. */
+/* A ring of the bag: half an ellipse, from the middle above around the corner to the middle below.
+ * Its depth behind the slit is the same everywhere. */
 typedef struct ring {
     double half_width_mm, above_mm, below_mm, depth_mm;
-    double edge_mm; /* 0: as many points as the slit */
+    double edge_mm; /* 0: same number of points as the slit */
 } ring;
 
 static const ring RINGS[] = {
@@ -18,7 +18,7 @@ static const ring RINGS[] = {
 };
 enum {
     RING_COUNT = sizeof RINGS / sizeof *RINGS,
-    INNER_LIP_RINGS = 1, /* up to this ring it is stone; then the mouth begins */
+    INNER_LIP_RINGS = 1, /* rings up to this one are stone, then the mouth begins */
     LINE_CAP = 64,
     RING_CAP = 2 * LINE_CAP + 1,
     QUARTER_STEPS = 256
@@ -48,15 +48,16 @@ static mrt_result find_line(line *out, const skin *s, error *err)
         if (!is_on_line(s, v))
             continue;
         if (out->count == LINE_CAP)
-            return error_set(err, MRT_ERR_ARGUMENT, "more than %d points between the lips",
-                             LINE_CAP);
+            return error_set(err, MRT_ERR_ARGUMENT,
+                             "the line between the lips has more than %d points", LINE_CAP);
         int32_t i = out->count++;
         for (; i > 0 && s->point[out->vertex[i - 1]].x > s->point[v].x; --i)
             out->vertex[i] = out->vertex[i - 1];
         out->vertex[i] = v;
     }
     if (out->count < 3 || s->point[out->vertex[0]].x != 0.0)
-        return error_set(err, MRT_ERR_FORMAT, "no line between the lips begins at the middle");
+        return error_set(err, MRT_ERR_FORMAT,
+                         "the line between the lips does not begin at the middle");
     return MRT_OK;
 }
 
@@ -69,7 +70,7 @@ void mouth_hold_line(skin *half)
 
 /* ---- the rings ---- */
 
-/* A point of the quarter of the unit ellipse, t from its top (0) to its tip (1). */
+/* Computes a point of the quarter of the unit ellipse, t from its top (0) to its tip (1). */
 static void quarter_point(double t, double *out_across, double *out_up)
 {
     double square = (1.0 - t) * (1.0 - t);
@@ -77,7 +78,8 @@ static void quarter_point(double t, double *out_across, double *out_up)
     *out_up = 2.0 * (1.0 - t) / (1.0 + square);
 }
 
-/* The ring seen from the front; t from 0 (middle above) over 1 (tip) to 2 (middle below). */
+/* Returns a point of the ring seen from the front; t from 0 (middle above) over 1 (tip) to 2
+ * (middle below). */
 static vec3 ring_outline(const ring *r, double t)
 {
     double across, up;
@@ -95,7 +97,7 @@ static double outline_length(const ring *r)
     return length;
 }
 
-/* Odd, so that the ring above and the ring below have as many. */
+/* Returns an odd number, so that the upper and the lower half of the ring have the same number. */
 static int32_t ring_point_count(const ring *r, int32_t line_count)
 {
     if (r->edge_mm <= 0.0)
@@ -103,7 +105,7 @@ static int32_t ring_point_count(const ring *r, int32_t line_count)
     return 2 * (int32_t)(0.5 * outline_length(r) / r->edge_mm + 0.5) + 1;
 }
 
-/* The depth of the slit at x: that of the line, and of its corner beyond it. */
+/* Returns the depth of the slit at x; beyond the corner, the depth of the corner. */
 static double slit_z(const skin *s, const line *l, double x)
 {
     int32_t i = 1;
@@ -114,7 +116,7 @@ static double slit_z(const skin *s, const line *l, double x)
     return a.z + (t < 1.0 ? t : 1.0) * (b.z - a.z);
 }
 
-/* Adds the ring's points, evenly spread. */
+/* Adds the ring's points at even distances. */
 static mrt_result add_ring(loop *out, skin *s, const ring *r, const line *l, error *err)
 {
     out->count = ring_point_count(r, l->count);
@@ -136,18 +138,19 @@ static mrt_result add_ring(loop *out, skin *s, const ring *r, const line *l, err
         if (result < 0)
             return result;
     }
-    return k == out->count ? MRT_OK : error_set(err, MRT_ERR_FORMAT, "a ring of the mouth is torn");
+    return k == out->count ? MRT_OK
+                           : error_set(err, MRT_ERR_FORMAT, "a ring of the mouth has a gap");
 }
 
-/* ---- sewing ---- */
+/* ---- connecting rings ---- */
 
 static double distance_between(const skin *s, int32_t a, int32_t b)
 {
     return vec3_length(vec3_sub(s->point[a], s->point[b]));
 }
 
-/* The strip between two rings, b behind a; the shorter way across comes first. */
-static mrt_result sew_strip(skin *s, const loop *a, const loop *b, error *err)
+/* Fills the strip between two rings, b behind a. Prefers the shorter diagonal. */
+static mrt_result fill_strip(skin *s, const loop *a, const loop *b, error *err)
 {
     int32_t i = 0, k = 0;
     while (i < a->count - 1 || k < b->count - 1) {
@@ -165,8 +168,8 @@ static mrt_result sew_strip(skin *s, const loop *a, const loop *b, error *err)
     return MRT_OK;
 }
 
-/* Closes the last ring: its half above to its half below. */
-static mrt_result sew_back(skin *s, const loop *a, error *err)
+/* Closes the last ring by connecting its upper half to its lower half. */
+static mrt_result close_bag(skin *s, const loop *a, error *err)
 {
     int32_t tip = (a->count - 1) / 2, last = a->count - 1, above = 0, below = 0;
     while (above < tip || below < tip - 1) {
@@ -203,7 +206,7 @@ mrt_result mouth_triangle_count(int32_t *out, const skin *half, error *err)
 
 /* ---- the cut ---- */
 
-/* The half-edge from a to b; SKIN_NONE: they are not neighbours. */
+/* Returns the half-edge from a to b, or SKIN_NONE if they are not neighbours. */
 static int32_t edge_between(const skin *s, int32_t a, int32_t b)
 {
     int32_t edge[SKIN_RING];
@@ -214,9 +217,9 @@ static int32_t edge_between(const skin *s, int32_t a, int32_t b)
     return SKIN_NONE;
 }
 
-/* Gives the triangles below the line a point of their own instead of the line's point i. The line
- * runs to +x, so they lie on its right: from the edge to the next point clockwise to the edge to
- * the one before, or to the border. */
+/* Gives the triangles below the line their own copy of the line's point i. The line runs towards
+ * +x, so they are on its right: from the edge to the next point, clockwise to the edge to the
+ * previous one, or to the border. */
 static mrt_result split_point(skin *out, const skin *half, const line *l, int32_t i,
                               int32_t *out_lower, error *err)
 {
@@ -259,7 +262,7 @@ static mrt_result copy_half(skin *out, const skin *half, error *err)
     return result;
 }
 
-static mrt_result sew_bag(skin *out, const line *l, const loop *slit, int32_t *out_first_triangle,
+static mrt_result add_bag(skin *out, const line *l, const loop *slit, int32_t *out_first_triangle,
                           error *err)
 {
     loop pair[2] = {*slit};
@@ -269,9 +272,9 @@ static mrt_result sew_bag(skin *out, const line *l, const loop *slit, int32_t *o
             *out_first_triangle = out->triangle_count;
         result = add_ring(&pair[(i + 1) % 2], out, &RINGS[i], l, err);
         if (result >= 0)
-            result = sew_strip(out, &pair[i % 2], &pair[(i + 1) % 2], err);
+            result = fill_strip(out, &pair[i % 2], &pair[(i + 1) % 2], err);
     }
-    return result < 0 ? result : sew_back(out, &pair[RING_COUNT % 2], err);
+    return result < 0 ? result : close_bag(out, &pair[RING_COUNT % 2], err);
 }
 
 mrt_result mouth_open(skin *out, const skin *half, int32_t *out_first_triangle, error *err)
@@ -291,7 +294,7 @@ mrt_result mouth_open(skin *out, const skin *half, int32_t *out_first_triangle, 
     if (result >= 0)
         result = cut_slit(out, half, &l, &slit, err);
     if (result >= 0)
-        result = sew_bag(out, &l, &slit, out_first_triangle, err);
+        result = add_bag(out, &l, &slit, out_first_triangle, err);
     for (int32_t h = 0; h < 3 * out->triangle_count && result >= 0; ++h)
         out->edge[out->origin[h]] = h;
     if (result >= 0)

@@ -5,11 +5,11 @@
 enum { CELLS_CAP = 512 };
 
 typedef struct grid {
-    int32_t count[3]; /* corners along x, y, z; one less cells */
-    vec3 first; /* the lowest corner: x is -cell/2, so that a layer of cells straddles x = 0 */
+    int32_t count[3]; /* corners along x, y, z; one more than cells */
+    vec3 first;       /* the lowest corner; x is -cell/2, so that a layer of cells contains x = 0 */
     double cell_mm;
-    float *value;    /* of the distance at the corners, x fastest */
-    int32_t *vertex; /* of each cell (indexed by its lowest corner); SKIN_NONE: not crossed */
+    float *value;    /* distance at the corners, x fastest */
+    int32_t *vertex; /* of each cell (by its lowest corner); SKIN_NONE if not crossed */
 } grid;
 
 static size_t corner_index(const grid *g, int32_t x, int32_t y, int32_t z)
@@ -38,7 +38,7 @@ static mrt_result grid_init(grid *out, vec3 low, vec3 high, double cell_mm, erro
         double cells = span[axis] / cell_mm + 2.0;
         if (!(cells > 2.0 && cells < CELLS_CAP))
             return error_set(err, MRT_ERR_ARGUMENT,
-                             "a grid of %g cells along axis %d; 3 to %d can be", cells, axis,
+                             "the grid has %g cells along axis %d: expected 3 to %d", cells, axis,
                              CELLS_CAP);
         out->count[axis] = (int32_t)cells + 1;
         total *= (size_t)out->count[axis];
@@ -62,7 +62,8 @@ static void sample(grid *g, double (*distance)(vec3))
             }
 }
 
-/* The mean of the points where the surface crosses the cell's edges; 0: it does not. */
+/* Computes the mean of the points where the surface crosses the cell's edges. Returns 0 if it does
+ * not. */
 static int cell_point(const grid *g, int32_t x, int32_t y, int32_t z, vec3 *out)
 {
     float value[8];
@@ -127,7 +128,7 @@ static mrt_result add_quad(skin *out, const int32_t corner[4], error *err)
     return result < 0 ? result : skin_add_triangle(out, corner[0], corner[2], corner[3], err);
 }
 
-/* The quad of the four cells around the grid edge that leaves corner x, y, z along `axis`. */
+/* Adds the quad of the four cells around the grid edge that leaves corner x, y, z along `axis`. */
 static mrt_result add_quad_at(const grid *g, skin *out, const int32_t at[3], int axis, error *err)
 {
     int32_t next[3] = {at[0], at[1], at[2]};
@@ -148,7 +149,7 @@ static mrt_result add_quad_at(const grid *g, skin *out, const int32_t at[3], int
     return add_quad(out, corner, err);
 }
 
-/* Edges across x = 0 are never crossed, and those on the lowest x belong to the other half. */
+/* Edges across x = 0 are never crossed. Edges at the lowest x belong to the other half. */
 static mrt_result add_quads(const grid *g, skin *out, error *err)
 {
     for (int32_t z = 1; z + 1 < g->count[2]; ++z)

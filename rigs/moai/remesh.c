@@ -3,24 +3,25 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Split edges longer than, and collapse edges shorter than, this many times the length wanted. */
+/* Edges longer than LONG times the wanted length are split, edges shorter than SHORT times it are
+ * collapsed. */
 static const double LONG = 4.0 / 3.0, SHORT = 4.0 / 5.0;
-/* A triangle of less quality than this is not made. */
+/* Least quality of a new triangle. */
 static const double POOR = 0.08;
-/* How far an edit may turn a triangle: the least cosine between its old and new normal. */
+/* Greatest turn of a triangle by an edit: the least cosine between its old and new normal. */
 static const double TURN_COSINE = 0.2;
 
 enum { SMOOTHING_ROUNDS = 12 };
 
 /* ---- the form ---- */
 
-/* The length of edges wanted at a point. */
+/* Returns the wanted length of edges at a point. */
 static double wanted_mm(const form *shape, vec3 p)
 {
     return shape->edge_scale * shape->edge_mm(p);
 }
 
-/* Of the distance, by central differences. */
+/* Returns the gradient of the distance, by central differences. */
 static vec3 gradient(const form *shape, vec3 p)
 {
     const double step = 0.02;
@@ -32,7 +33,7 @@ static vec3 gradient(const form *shape, vec3 p)
     return (vec3){slope[0], slope[1], slope[2]};
 }
 
-/* The part of a move that what a vertex holds (skin.h) allows. */
+/* Returns the part of a move that the constraints of a vertex (skin.h) allow. */
 static vec3 masked(vec3 move, int hold)
 {
     if (hold & (SKIN_MIDDLE | SKIN_CORNER))
@@ -42,7 +43,7 @@ static vec3 masked(vec3 move, int hold)
     return move;
 }
 
-/* Newton steps of at most reach_mm from p to the surface, in the directions allowed. */
+/* Projects p to the surface by Newton steps of at most reach_mm, in the allowed directions. */
 static vec3 projected(const form *shape, vec3 p, int hold, double reach_mm)
 {
     for (int turn = 0; turn < 3; ++turn) {
@@ -64,7 +65,7 @@ static vec3 middle(vec3 a, vec3 b)
     return vec3_scale(vec3_add(a, b), 0.5);
 }
 
-/* The length of an edge, 1 being the length wanted. */
+/* Returns the length of an edge over the wanted length. */
 static double relative_length(const skin *s, const form *shape, int32_t h)
 {
     vec3 a = s->point[s->origin[h]], b = s->point[skin_target(s, h)];
@@ -81,7 +82,7 @@ static int crosses_level(const skin *s, int32_t h, vec3 line_end)
     return (a.y < line_end.y && b.y > line_end.y) || (a.y > line_end.y && b.y < line_end.y);
 }
 
-/* The end of the line, where it has one neighbour only, is a corner. */
+/* Makes the ends of the line corners: points with only one neighbour on it. */
 static void mark_line_ends(skin *s)
 {
     for (int32_t v = 0; v < s->vertex_count; ++v) {
@@ -107,7 +108,7 @@ mrt_result remesh_cut_level(skin *s, vec3 line_end, error *err)
         p.y = line_end.y;
         int32_t vertex = skin_split(s, h, p);
         if (vertex == SKIN_NONE)
-            return error_set(err, MRT_ERR_ARGUMENT, "the skin is full: it cannot be cut");
+            return error_set(err, MRT_ERR_ARGUMENT, "the skin is full and cannot be cut");
         s->hold[vertex] |= SKIN_LEVEL;
     }
     mark_line_ends(s);
@@ -116,7 +117,8 @@ mrt_result remesh_cut_level(skin *s, vec3 line_end, error *err)
 
 /* ---- split and collapse ---- */
 
-/* Only the longest edge of both its triangles is split: any other order can go on without end. */
+/* Only an edge that is the longest of both its triangles is split. Any other order may never
+ * end. */
 static int is_longest(const skin *s, const form *shape, int32_t h, double length)
 {
     const int32_t side[2] = {h, s->twin[h]};
@@ -127,7 +129,7 @@ static int is_longest(const skin *s, const form *shape, int32_t h, double length
     return 1;
 }
 
-/* Returns how many were split; SKIN_NONE: the skin is full. */
+/* Returns the number of splits, or SKIN_NONE if the skin is full. */
 static int32_t split_sweep(skin *s, const form *shape)
 {
     int32_t split_count = 0;
@@ -152,12 +154,12 @@ static mrt_result split_long(skin *s, const form *shape, error *err)
         split_count = split_sweep(s, shape);
     } while (split_count > 0);
     if (split_count == SKIN_NONE)
-        return error_set(err, MRT_ERR_ARGUMENT, "the skin is full: ask for edges longer than %g",
+        return error_set(err, MRT_ERR_ARGUMENT, "the skin is full; use edges longer than %g",
                          shape->edge_scale);
     return MRT_OK;
 }
 
-/* Of a triangle: its area against its edges; 0.29 when they are equal, 0 when it is flat. */
+/* Returns the area of a triangle relative to its edges: 0.29 if they are equal, 0 if it is flat. */
 static double quality_of(vec3 a, vec3 b, vec3 c)
 {
     vec3 ab = vec3_sub(b, a), bc = vec3_sub(c, b), ca = vec3_sub(a, c);
@@ -165,8 +167,8 @@ static double quality_of(vec3 a, vec3 b, vec3 c)
     return vec3_length(vec3_cross(ab, bc)) / (squares + 1e-300);
 }
 
-/* Whether the triangles that leave `vertex` keep their side, and no edge becomes too long, when it
- * moves to `to`; the triangles at `gone` vanish. */
+/* Tests a move of `vertex` to `to`. Returns 1 if the triangles at it keep their side and no edge
+ * becomes too long. The triangles at `gone` vanish. */
 static int fan_survives(const skin *s, const form *shape, int32_t vertex, int32_t gone, vec3 to)
 {
     int32_t edge[SKIN_RING];
@@ -188,7 +190,7 @@ static int fan_survives(const skin *s, const form *shape, int32_t vertex, int32_
     return 1;
 }
 
-/* Where the end of a collapsed edge goes: the middle, unless its target holds more. */
+/* Returns the position of a collapsed edge: its middle, unless its target has more constraints. */
 static vec3 collapse_point(const skin *s, int32_t h)
 {
     int32_t a = s->origin[h], b = skin_target(s, h);
@@ -235,7 +237,7 @@ static double pair_quality(vec3 a, vec3 b, vec3 c, vec3 d)
     return one < other ? one : other;
 }
 
-/* How far the valences are from 6, or from 4 on a border, in squares. */
+/* Returns the squared difference of the valence from 6, or from 4 on a border. */
 static int32_t valence_error(const skin *s, int32_t vertex, int32_t change)
 {
     int32_t around[SKIN_RING];
@@ -254,7 +256,7 @@ static int flip_turns_over(const skin *s, int32_t h, vec3 a, vec3 b, vec3 c, vec
            vec3_dot(other, old) < TURN_COSINE * length * vec3_length(other);
 }
 
-/* An edge off the surface is turned along a crease; on the surface, valence decides. */
+/* An edge off the surface is flipped along a crease. On the surface the valence decides. */
 static int wants_flip(const skin *s, const form *shape, int32_t h)
 {
     int32_t g = s->twin[h];
@@ -287,15 +289,15 @@ static void flip_edges(skin *s, const form *shape)
 
 /* ---- relax: moves vertices, without changing edges ---- */
 
-/* The share of spreading evenly against staying on the planes of the form. */
+/* Weight of even spacing, relative to that of the planes of the form. */
 static const double SMOOTHING = 0.1;
 
-typedef struct plane { /* a tangent plane of the form, and how much skin it stands for */
+typedef struct plane { /* a tangent plane of the form, and the area of skin that it represents */
     vec3 point, normal;
     double area;
 } plane;
 
-/* The tangent plane of the shape at the foot of a point near it. */
+/* Returns the tangent plane of the shape at the foot of a nearby point. */
 static plane plane_at(const form *shape, vec3 p, double area)
 {
     vec3 slope = gradient(shape, p);
@@ -306,7 +308,8 @@ static plane plane_at(const form *shape, vec3 p, double area)
                    .area = area};
 }
 
-/* Three planes for each live triangle, towards its corners: half-edge h has that at its origin. */
+/* Computes three planes for each live triangle, towards its corners. Half-edge h has the plane at
+ * its origin. */
 static void measure_planes(plane *out, const skin *s, const form *shape)
 {
     for (int32_t h = 0; h < 3 * s->triangle_count; ++h) {
@@ -319,7 +322,8 @@ static void measure_planes(plane *out, const skin *s, const form *shape)
     }
 }
 
-/* The mean of the neighbours on the vertex's own line; 0: it is no line's inner point. */
+/* Computes the mean of the neighbours on the vertex's own line. Returns 0 if it is not an inner
+ * point of a line. */
 static int line_middle(const skin *s, int32_t vertex, vec3 *out)
 {
     int32_t around[SKIN_RING];
@@ -334,7 +338,8 @@ static int line_middle(const skin *s, int32_t vertex, vec3 *out)
     return found == 2;
 }
 
-/* The mean of the triangles around, each weighed by how much too large it is. */
+/* Returns the mean of the triangles around a vertex, weighted by how much they exceed their wanted
+ * size. */
 static vec3 fan_middle(const skin *s, const form *shape, const plane *planes, int32_t vertex)
 {
     int32_t edge[SKIN_RING];
@@ -363,7 +368,7 @@ static vec3 smoothing_target(const skin *s, const form *shape, const plane *plan
     return fan_middle(s, shape, planes, vertex);
 }
 
-/* Solves the symmetric positive 3 by 3 system in place, without pivots. */
+/* Solves a symmetric positive definite 3 by 3 system in place, without pivoting. */
 static vec3 solve3(double m[3][3], double r[3])
 {
     for (int i = 0; i < 3; ++i)
@@ -386,7 +391,7 @@ static void hold_axis(double m[3][3], double r[3], int axis)
     r[axis] = 0.0;
 }
 
-/* The least squares of distances to planes, for a move from `at`. */
+/* Adds the squared distance to a plane to the least squares for a move from `at`. */
 static void add_plane(double m[3][3], double r[3], const plane *p, vec3 at)
 {
     const double n[3] = {p->normal.x, p->normal.y, p->normal.z};
@@ -398,8 +403,8 @@ static void add_plane(double m[3][3], double r[3], const plane *p, vec3 at)
     }
 }
 
-/* The move that brings the vertex nearest to the planes around it (so into a crease, if there is
- * one) and, where they leave it free, to the smoothing target. */
+/* Returns the move that brings the vertex closest to the planes around it, and so into a crease if
+ * there is one. In directions that the planes leave free it moves to the smoothing target. */
 static vec3 best_move(const skin *s, const form *shape, const plane *planes, int32_t vertex)
 {
     int32_t edge[SKIN_RING];
@@ -426,7 +431,7 @@ static vec3 best_move(const skin *s, const form *shape, const plane *planes, int
     return solve3(m, r);
 }
 
-/* Whether all triangles around keep their side when the vertex moves. */
+/* Returns 1 if all triangles around the vertex keep their side when it moves. */
 static int move_is_safe(const skin *s, int32_t vertex, vec3 to)
 {
     int32_t edge[SKIN_RING];
@@ -443,8 +448,8 @@ static int move_is_safe(const skin *s, int32_t vertex, vec3 to)
     return 1;
 }
 
-/* One round: vertices move onto the form, into its creases, and spread evenly. planes: room for
- * three per triangle of the skin, the dead included. */
+/* Runs one round: vertices move onto the form, into its creases, and to even distances. planes:
+ * room for three per triangle of the skin, including dead ones. */
 static void relax(skin *s, const form *shape, plane *planes)
 {
     measure_planes(planes, s, shape);
@@ -464,7 +469,7 @@ static void relax(skin *s, const form *shape, plane *planes)
     }
 }
 
-/* ---- all of it ---- */
+/* ---- adapting ---- */
 
 static plane *planes_create(const skin *s, error *err)
 {
@@ -514,9 +519,9 @@ static int touches_corner(const skin *s, int32_t h)
     return (s->hold[s->origin[h]] | s->hold[skin_target(s, h)]) & SKIN_CORNER;
 }
 
-/* Collapses edges, the shortest first, until triangle_count are left or the candidates are used up:
- * one edge on the border if an odd number is to go, then inner edges; none at a corner, which could
- * not give way. */
+/* Collapses edges, shortest first, until triangle_count are left or no candidates remain. If the
+ * difference is odd, collapses one edge on the border first, then inner edges. Edges at a corner
+ * cannot move, so they are left out. */
 static void collapse_shortest(skin *s, const form *shape, int32_t triangle_count, candidate *list)
 {
     int32_t count = 0;
@@ -539,7 +544,7 @@ mrt_result remesh_reduce(skin *s, const form *shape, int32_t triangle_count, err
 {
     if (s->live_triangle_count < triangle_count)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "%d triangles are there, %d are wanted: ask for shorter edges",
+                         "the skin has %d triangles, but needs %d; use shorter edges",
                          s->live_triangle_count, triangle_count);
     plane *planes = planes_create(s, err);
     candidate *list = malloc(((size_t)s->triangle_count * 3 + 1) * sizeof *list);
@@ -552,7 +557,7 @@ mrt_result remesh_reduce(skin *s, const form *shape, int32_t triangle_count, err
     skin_compact(s);
     if (s->live_triangle_count > triangle_count) {
         result = error_set(err, MRT_ERR_ARGUMENT,
-                           "%d triangles are left, %d are wanted: ask for longer edges",
+                           "%d triangles are left instead of %d; use longer edges",
                            s->live_triangle_count, triangle_count);
         goto done;
     }

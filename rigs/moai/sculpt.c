@@ -31,7 +31,7 @@ static double clamped(double value, double low, double high)
     return smaller(larger(value, low), high);
 }
 
-/* The smaller of both, rounded within `blend_mm` of their meeting. */
+/* Returns the smaller value, rounded within `blend_mm` of the place where both are equal. */
 static double joined(double a, double b, double blend_mm)
 {
     double h = larger(blend_mm - fabs(a - b), 0.0) / blend_mm;
@@ -48,7 +48,8 @@ static double carved(double stone, double tool, double blend_mm)
     return common(stone, -tool, blend_mm);
 }
 
-/* A curve through knots in ascending y, smooth, without overshoot; constant beyond the ends. */
+/* Knots of a smooth curve in ascending y. It does not overshoot, and is constant beyond its
+ * ends. */
 typedef struct knot {
     double y, value;
 } knot;
@@ -94,7 +95,7 @@ static double box3(vec3 p, vec3 half, double radius)
     return vec3_length(out) + smaller(larger(qx, larger(qy, qz)), 0.0) - radius;
 }
 
-/* Distance to the surface of an ellipsoid, good near it. */
+/* Returns the distance to the surface of an ellipsoid, accurate near it. */
 static double ellipsoid(vec3 p, vec3 radii)
 {
     vec3 k = {p.x / radii.x, p.y / radii.y, p.z / radii.z};
@@ -115,9 +116,10 @@ static vec3 from(vec3 p, double x, double y, double z)
     return (vec3){p.x - x, p.y - y, p.z - z};
 }
 
-/* ---- the parts; p.x is at least 0 everywhere ---- */
+/* ---- the parts; they require p.x >= 0 ---- */
 
-/* The block of the head: its outline lofted along y, its top nearly flat, the jaw a ledge below. */
+/* The block of the head: an outline lofted along y, with a nearly flat top and the jaw as a ledge
+ * below. */
 static double block(vec3 p)
 {
     static const knot HALF_WIDTH[] = {{-112, 48}, {-90, 52}, {-60, 54}, {-10, 53},
@@ -177,7 +179,8 @@ static double nose_wing(vec3 p)
     static const vec3 PATH[] = {{15, -22, 67}, {22.5, -22.5, 57}, {27, -19, 47},
                                 {28, -10, 44}, {24, -2.5, 49},    {18.5, -1.5, 59}};
     static const double RADIUS[] = {5.0, 5.7, 5.7, 5.2, 4.7, 3.2};
-    double d = ellipsoid(from(p, 22.0, -12.0, 40.0), (vec3){8.0, 10.0, 9.0}); /* what it lies on */
+    double d =
+        ellipsoid(from(p, 22.0, -12.0, 40.0), (vec3){8.0, 10.0, 9.0}); /* the base of the roll */
     for (int i = 0; i < 5; ++i)
         d = joined(d, segment(p, PATH[i], PATH[i + 1], RADIUS[i], RADIUS[i + 1]), 1.5);
     return d;
@@ -188,7 +191,7 @@ static double nostril(vec3 p)
     return ellipsoid(from(p, 12.0, -30.0, 59.0), (vec3){6.0, 7.0, 9.0});
 }
 
-/* The long socket under the brow; its floor slopes out to the cheek. */
+/* The long socket under the brow. Its floor slopes out to the cheek. */
 static double eye(vec3 p)
 {
     double x = p.x - 29.0, y = p.y - 52.0;
@@ -197,7 +200,7 @@ static double eye(vec3 p)
     return common(hollow, (floor - p.z) * 0.8, 5.0);
 }
 
-/* Two thin rolls that taper to the corners; the valley between them is level. */
+/* Two thin rolls that taper to the corners. The valley between them is level. */
 static double lips(vec3 p)
 {
     double bend = 0.011 * p.x * p.x, taper = larger(1.0 - 0.00045 * p.x * p.x, 0.2);
@@ -223,8 +226,8 @@ static double chin(vec3 p)
 }
 
 /* A long ear that leans back: a plate with a rim around it, the hollow of the ear above, and the
- * stretched lobe with its slot below. It stands out most at the top of the hollow and at the lobe.
- */
+ * stretched lobe with its slot below. It stands out most at the top of the hollow and at the
+ * lobe. */
 static double ear(vec3 p)
 {
     static const knot HALF_DEPTH[] = {{-86, 12.5}, {-62, 14.5}, {-24, 11}, {24, 14}, {62, 12.5}};
@@ -259,7 +262,7 @@ double sculpt_distance(vec3 p)
     return carved(sculpt_rough_distance(p), nostril((vec3){fabs(p.x), p.y, p.z}), 2.5);
 }
 
-/* ---- how fine ---- */
+/* ---- wanted length of edges ---- */
 
 typedef struct detail {
     vec3 centre, half; /* a box around x = +-centre.x */

@@ -29,7 +29,7 @@ void skin_destroy(skin *s)
     *s = (skin){0};
 }
 
-static int32_t take_vertex(skin *s, vec3 point, uint8_t hold)
+static int32_t append_vertex(skin *s, vec3 point, uint8_t hold)
 {
     if (s->vertex_count == s->vertex_capacity)
         return SKIN_NONE;
@@ -59,8 +59,8 @@ static void link_twins(skin *s, int32_t h, int32_t g)
 
 mrt_result skin_add_point(skin *s, vec3 point, uint8_t hold, error *err)
 {
-    if (take_vertex(s, point, hold) == SKIN_NONE)
-        return error_set(err, MRT_ERR_ARGUMENT, "the skin holds no more than %d vertices",
+    if (append_vertex(s, point, hold) == SKIN_NONE)
+        return error_set(err, MRT_ERR_ARGUMENT, "the skin has room for only %d vertices",
                          s->vertex_capacity);
     return MRT_OK;
 }
@@ -68,7 +68,7 @@ mrt_result skin_add_point(skin *s, vec3 point, uint8_t hold, error *err)
 mrt_result skin_add_triangle(skin *s, int32_t a, int32_t b, int32_t c, error *err)
 {
     if (s->triangle_count == s->triangle_capacity)
-        return error_set(err, MRT_ERR_ARGUMENT, "the skin holds no more than %d triangles",
+        return error_set(err, MRT_ERR_ARGUMENT, "the skin has room for only %d triangles",
                          s->triangle_capacity);
     for (int32_t k = 0; k < 3; ++k)
         s->twin[3 * s->triangle_count + k] = SKIN_NONE;
@@ -91,7 +91,7 @@ static int compare_keys(const void *a, const void *b)
     return (p->h > q->h) - (p->h < q->h);
 }
 
-/* Half-edges between the same two vertices lie side by side in `key`. */
+/* Links half-edges between the same two vertices, which are adjacent in `key`. */
 static mrt_result join_sorted(skin *s, const edge_key *key, int32_t count, error *err)
 {
     for (int32_t i = 0, run; i < count; i += run) {
@@ -108,7 +108,7 @@ static mrt_result join_sorted(skin *s, const edge_key *key, int32_t count, error
     return MRT_OK;
 }
 
-/* All triangles at a vertex must be one fan. */
+/* Checks that all triangles at a vertex form one fan. */
 static mrt_result check_fans(const skin *s, error *err)
 {
     int32_t total = 0;
@@ -187,7 +187,7 @@ static int is_on_border(const skin *s, int32_t vertex)
     return count <= SKIN_RING && s->twin[skin_previous(edge[count - 1])] == SKIN_NONE;
 }
 
-/* The kind of line that the edge is part of. */
+/* Returns the kind of line that the edge is part of. */
 static int line_of(const skin *s, int32_t h)
 {
     return skin_common_line(s, s->origin[h], skin_target(s, h));
@@ -199,7 +199,7 @@ int32_t skin_split(skin *s, int32_t h, vec3 point)
     int32_t needed = g == SKIN_NONE ? 1 : 2;
     if (s->triangle_count + needed > s->triangle_capacity)
         return SKIN_NONE;
-    int32_t m = take_vertex(s, point, (uint8_t)line_of(s, h));
+    int32_t m = append_vertex(s, point, (uint8_t)line_of(s, h));
     if (m == SKIN_NONE)
         return SKIN_NONE;
     /* a-b-c becomes a-m-c and m-b-c; on the other side b-a-d becomes b-m-d and m-a-d. */
@@ -273,7 +273,8 @@ int skin_flip(skin *s, int32_t h)
     return 1;
 }
 
-/* What dies must hold no line and no corner that what stays does not hold. */
+/* Returns 1 if the vertex that dies holds no line and no corner that the remaining vertex does not
+ * hold. */
 static int keeps_lines(const skin *s, int32_t h)
 {
     int32_t a = s->origin[h], b = skin_target(s, h);
@@ -284,8 +285,8 @@ static int keeps_lines(const skin *s, int32_t h)
     return is_border_edge || !(is_on_border(s, a) && is_on_border(s, b));
 }
 
-/* The link condition: the ends share the opposite corners and no other neighbour; and what becomes
- * a neighbour of b makes no second line with it. */
+/* Tests the link condition: the ends share the opposite corners and no other neighbour. Also, no
+ * new neighbour of b may form a second line with it. */
 static int closes_cleanly(const skin *s, int32_t a, int32_t b, int32_t corner_count)
 {
     int32_t around_a[SKIN_RING] = {0}, around_b[SKIN_RING] = {0};
@@ -297,7 +298,7 @@ static int closes_cleanly(const skin *s, int32_t a, int32_t b, int32_t corner_co
         int is_shared = contains(around_b, count_b, around_a[i]);
         shared += is_shared;
         int line = skin_common_line(s, around_a[i], b);
-        int follows = s->hold[a] & line; /* the line goes through a: b takes its place */
+        int follows = s->hold[a] & line; /* the line passes through a, and b takes its place */
         if (line && !follows && !is_shared && around_a[i] != b)
             return 0;
     }
@@ -315,7 +316,7 @@ int skin_may_collapse(const skin *s, int32_t h)
     return closes_cleanly(s, a, b, g == SKIN_NONE ? 1 : 2);
 }
 
-/* Takes the triangle of h out of the surface: its two other edges become one. */
+/* Removes the triangle of h from the surface: its two other edges become one. */
 static void close_triangle(skin *s, int32_t h)
 {
     int32_t one = s->twin[skin_next(h)], other = s->twin[skin_previous(h)];
@@ -360,7 +361,7 @@ void skin_compact(skin *s)
     int32_t *vertex_now = malloc(((size_t)s->vertex_count + 1) * sizeof *vertex_now);
     int32_t *triangle_now = malloc(((size_t)s->triangle_count + 1) * sizeof *triangle_now);
     if (!vertex_now || !triangle_now)
-        goto done; /* a skin with its dead is still a skin */
+        goto done; /* without compaction the skin is still valid */
     s->vertex_count = compact_vertices(s, vertex_now);
     int32_t count = 0;
     for (int32_t t = 0; t < s->triangle_count; ++t)

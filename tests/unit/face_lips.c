@@ -403,10 +403,10 @@ static void rims_that_are_none_are_named_and_the_face_performs(void **state)
     static const struct {
         void (*spoil)(rig *r);
         const char *says;
-    } cases[] = {{turn_both, "turn their lists around"},
+    } cases[] = {{turn_both, "reverse their lists"},
                  {cut_lower, "mm apart"},
-                 {double_vertex, "are one point"},
-                 {share_vertex, "are one point"},
+                 {double_vertex, "are the same point"},
+                 {share_vertex, "are the same point"},
                  {close_ring, "upper["},
                  {name_stranger, "but the mesh has"},
                  {name_an_eye, "another piece of surface"}};

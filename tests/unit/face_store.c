@@ -236,7 +236,7 @@ static void bytes_of_another_face_are_refused(void **state)
     size_t size;
     unsigned char *bytes = keep(s.face, &size);
     assert_int_equal(face_load(other.face, bytes, size, &err), MRT_ERR_FORMAT);
-    assert_non_null(strstr(err.text, "not of this face"));
+    assert_non_null(strstr(err.text, "belongs to another face"));
     free(bytes);
     finish(&s);
     finish(&other);

@@ -221,7 +221,7 @@ static void a_slit_is_found_and_closes(void **state)
 static void check_has_no_rims(actor *a, const char *name)
 {
     if (a->rig.mouth.upper || !strstr(a->confirm, "mouth: the lips cannot be sealed, since the "
-                                                  "surface leads straight"))
+                                                  "surface is closed"))
         fail_msg("%s: %s", name, a->confirm);
 }
 
@@ -427,12 +427,12 @@ static void mouths_of_a_wrong_type_are_named(void **state)
 static void rims_that_are_none_are_named(void **state)
 {
     (void)state;
-    assert_spoiled(0, 37, true, 0, 37, "are one point"); /* crossed */
-    assert_spoiled(0, 37, false, 0, 18, "mm apart");     /* of different length */
-    assert_spoiled(0, 12, false, 24, 13, "mm apart");    /* of two slits */
+    assert_spoiled(0, 37, true, 0, 37, "are the same point"); /* crossed */
+    assert_spoiled(0, 37, false, 0, 18, "mm apart");          /* of different length */
+    assert_spoiled(0, 12, false, 24, 13, "mm apart");         /* of two slits */
     /* doubled */
     assert_unsealed("{\"upper\": [14909, 14909, 4693], \"lower\": [14909, 14908, 4693]}",
-                    "are one point");
+                    "are the same point");
     assert_unsealed("{\"upper\": [14909, 20000, 4693], \"lower\": [14909, 14908, 4693]}",
                     "on another piece of surface");
 }

@@ -104,7 +104,7 @@ static void another_vertex_count_names_both(void **state)
     (void)state;
     uint32_t count = moai.rig->mesh_vertex_count;
     moai.rig->mesh_vertex_count = 12;
-    assert_invalid("$.mesh_vertices: ", "a mesh of 12 vertices, this one has 3578");
+    assert_invalid("$.mesh_vertices: ", "a mesh of 12 vertices, but this one has 3578");
     assert_found(RIG_ERROR, "$.mesh_vertices", "of 12 vertices");
     moai.rig->mesh_vertex_count = count;
 }
@@ -122,7 +122,7 @@ static void a_contact_beyond_the_mesh_is_an_error(void **state)
     (void)state;
     uint32_t vertex = moai.rig->contact[3].vertex;
     moai.rig->contact[3].vertex = 3578;
-    assert_invalid("$.contacts[3].vertex: ", "vertex 3578 of a mesh of 3578");
+    assert_invalid("$.contacts[3].vertex: ", "vertex 3578 does not exist, the mesh has 3578");
     moai.rig->contact[3].vertex = vertex;
 }
 
@@ -184,7 +184,7 @@ static void a_mirror_that_is_none_is_a_warning_with_a_better_vertex(void **state
     moai.rig->contact[right].vertex =
         moai.rig->contact[rig_find_contact(moai.rig, "jaw.angle.r")].vertex;
     char better[64];
-    (void)snprintf(better, sizeof better, "vertex %u is 0.0 mm from it", vertex);
+    (void)snprintf(better, sizeof better, "vertex %u would be 0.0 mm off", vertex);
     rig_findings all = check_moai();
     assert_int_equal(find(&all, better)->severity, RIG_WARNING);
     rig_findings_finish(&all);
@@ -225,7 +225,7 @@ static void a_wrong_unit_and_lost_symmetry_are_found(void **state)
     memcpy(kept, moai.mesh.position, count * sizeof *kept);
     for (size_t i = 0; i < count; ++i)
         moai.mesh.position[i] *= 0.01f;
-    assert_found(RIG_WARNING, "$.unit", "is the unit right?");
+    assert_found(RIG_WARNING, "$.unit", "check the unit");
     memcpy(moai.mesh.position, kept, count * sizeof *kept);
     moai.mesh.position[9] += 3.0f;
     assert_found(RIG_NOTE, "$.mesh", "have no mirror image");
@@ -319,12 +319,12 @@ static void pieces_that_touch_and_would_part_are_a_warning(void **state)
     (void)state;
     rig_findings all;
     check_strips(&all, "0-11", "12-23");
-    assert_int_equal(find(&all, "touch at 6 places where they follow different bones")->severity,
+    assert_int_equal(find(&all, "touch at 6 places but follow different bones")->severity,
                      RIG_WARNING);
     rig_findings_finish(&all);
     check_strips(&all, "0-5", "6-23");
     for (uint32_t i = 0; i < all.count; ++i)
-        assert_null(strstr(all.item[i].text, "they part there"));
+        assert_null(strstr(all.item[i].text, "gaps open there"));
     rig_findings_finish(&all);
 }
 
@@ -343,18 +343,18 @@ static void a_pose_that_reaches_into_the_other_half_is_a_warning(void **state)
     uint32_t had_count = moai.rig->pose_count;
     moai.rig->pose = &pose;
     moai.rig->pose_count = 1;
-    assert_found(RIG_WARNING, "$.poses[0]", "\"brow.mid.l\" is not of the part \"mouth\"");
+    assert_found(RIG_WARNING, "$.poses[0]", "\"brow.mid.l\" does not belong to the part \"mouth\"");
     pose.part = POSE_UPPER;
-    assert_found(RIG_WARNING, "$.poses[0]", "\"chin\" is not of the part \"upper\"");
+    assert_found(RIG_WARNING, "$.poses[0]", "\"chin\" does not belong to the part \"upper\"");
     pose.pull_count = 0;
     pose.dof_name = dof;
     pose.dof_value = &turn;
     pose.dof_count = 1;
-    assert_found(RIG_WARNING, "$.poses[0]", "\"skull.nod\" is not of the part \"upper\"");
+    assert_found(RIG_WARNING, "$.poses[0]", "\"skull.nod\" does not belong to the part \"upper\"");
     pose.part = POSE_WHOLE;
     rig_findings all = check_moai();
     for (uint32_t i = 0; i < all.count; ++i)
-        assert_null(strstr(all.item[i].text, "is not of the part"));
+        assert_null(strstr(all.item[i].text, "does not belong to the part"));
     rig_findings_finish(&all);
     moai.rig->pose = had;
     moai.rig->pose_count = had_count;
@@ -378,7 +378,7 @@ static void a_pose_that_folds_is_held_back_and_a_warning(void **state)
         rig_check_poses(&all, moai.rig, &moai.mesh, &moai.topology, &moai_binding, &err), MRT_OK);
     assert_int_equal(all.count, 2);
     assert_int_equal(find(&all, "\"torn\" is held back by up to")->severity, RIG_WARNING);
-    assert_int_equal(find(&all, "all 27 contacts are held")->severity, RIG_NOTE);
+    assert_int_equal(find(&all, "poses hold all 27 contacts")->severity, RIG_NOTE);
     rig_findings_finish(&all);
     moai.rig->pose = had;
     moai.rig->pose_count = had_count;
@@ -402,10 +402,11 @@ static void poses_in_another_unit_are_warnings(void **state)
     uint32_t had_count = moai.rig->pose_count;
     moai.rig->pose = &pose;
     moai.rig->pose_count = 1;
-    assert_found(RIG_WARNING, "$.poses[0]", "is pulled by 400 mm, further than the head is high");
-    assert_found(RIG_WARNING, "$.poses[0]", "are these radians? Degrees are meant");
+    assert_found(RIG_WARNING, "$.poses[0]",
+                 "is pulled by 400 mm, more than the height of the head");
+    assert_found(RIG_WARNING, "$.poses[0]", "are these radians? Turns are in degrees");
     pull.z = 0.004;
-    assert_found(RIG_WARNING, "$.poses[0]", "nothing is pulled by more than 0.004 mm");
+    assert_found(RIG_WARNING, "$.poses[0]", "no contact is pulled by more than 0.004 mm");
     moai.rig->pose = had;
     moai.rig->pose_count = had_count;
 }

@@ -478,7 +478,7 @@ static void a_head_of_2_mm_asks_for_its_unit_and_one_of_2_m_is_drafted(void **st
         const mrt_result result =
             rig_draft_make(&d.rig, &d.confirm, m, &d.file.topology, path, NULL, 0, &err);
         if (i == 0)
-            assert_non_null(strstr(err.text, "say the mesh's unit"));
+            assert_non_null(strstr(err.text, "set the unit of the mesh"));
         else if (result < 0)
             fail_msg("%s", err.text);
         if (result >= 0)
@@ -546,7 +546,7 @@ static void a_mouth_is_cut_where_lips_are_one_surface(void **state)
     for (uint32_t i = 0; i < f.topology.vertex_count; ++i) /* the bag closes what was cut */
         assert_false(f.topology.on_border[i] && i >= vertices);
     assert_true(rig_draft_make(&r, &confirm, &f.mesh, &f.topology, path, chain, count, &err) >= 0);
-    assert_non_null(strstr(confirm, "the upper lip above it on the skull"));
+    assert_non_null(strstr(confirm, "the upper lip above it with the skull"));
     assert_int_equal(r.cut_mouth_count, count);
     assert_true(r.bone[rig_find_bone(&r, "jaw")].open_max_rad > 0.2);
     rig_destroy(&r);

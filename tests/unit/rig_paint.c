@@ -301,7 +301,7 @@ static void paint_that_is_not_there_is_named(void **state)
                          BONES ", \"regions\": [{\"bone\": \"jaw\", \"weight\": 1, \"select\": "
                                "{\"painted\": \"gone\"}}]",
                          &err) < 0);
-    assert_non_null(strstr(err.text, "$.regions[0].select.painted: there is no paint \"gone\""));
+    assert_non_null(strstr(err.text, "$.regions[0].select.painted: the rig has no paint \"gone\""));
 }
 
 static void paint_beyond_the_mesh_is_found(void **state)
@@ -318,7 +318,7 @@ static void paint_beyond_the_mesh_is_found(void **state)
     mesh m = make_sheet();
     topology t = make_topology(&m);
     assert_true(bind_select(share, &r.region[0].select, &m, &t, &err) < 0);
-    assert_non_null(strstr(err.text, "vertex 25 of a mesh of 25"));
+    assert_non_null(strstr(err.text, "vertex 25, but the mesh has 25"));
     topology_destroy(&t);
     mesh_destroy(&m);
     rig_destroy(&r);

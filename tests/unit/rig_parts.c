@@ -205,7 +205,7 @@ static void turns_that_make_no_sense_are_refused(void **state)
     make(&r);
     must(rig_edit_add_bone(&r, "eye", BONE_BALL, (vec3){30, 40, 50}, 12.0, &bone, &err), &err);
     rig_turn to = {yaw, {1, 0, 0}, -1.0, 1.0, {0}};
-    refused(rig_edit_set_turn(&r, 1, 0, &to, &err), &err, "no ball");
+    refused(rig_edit_set_turn(&r, 1, 0, &to, &err), &err, "not a ball");
     refused(rig_edit_set_turn(&r, bone, 2, &to, &err), &err, "no turn 2");
     refused(rig_edit_set_turn(&r, bone, 1, &to, &err), &err, "another turn");
     to.name = none;
@@ -217,7 +217,7 @@ static void turns_that_make_no_sense_are_refused(void **state)
     to = (rig_turn){third, {1, 0, 0}, -4.0, 1.0, {0}};
     refused(rig_edit_set_turn(&r, bone, 1, &to, &err), &err, "180");
     to = (rig_turn){third, {1, 0, 0}, 0.0, 1e-6, {0}};
-    refused(rig_edit_set_turn(&r, bone, 1, &to, &err), &err, "nowhere");
+    refused(rig_edit_set_turn(&r, bone, 1, &to, &err), &err, "both limits");
     assert_string_equal(r.bone[bone].turn[1].name, "pitch");
     to = (rig_turn){third, {1, 0, 0}, 0.0, 1.0, {0}};
     must(rig_edit_add_turn(&r, bone, &to, &index, &err), &err);
@@ -225,7 +225,7 @@ static void turns_that_make_no_sense_are_refused(void **state)
     refused(rig_edit_add_turn(&r, bone, &to, &index, &err), &err, "at most 3");
     must(rig_edit_remove_turn(&r, bone, 0, &err), &err);
     must(rig_edit_remove_turn(&r, bone, 0, &err), &err);
-    refused(rig_edit_remove_turn(&r, bone, 0, &err), &err, "stays");
+    refused(rig_edit_remove_turn(&r, bone, 0, &err), &err, "cannot be removed");
     rig_destroy(&r);
 }
 
@@ -244,7 +244,7 @@ static void a_bone_rides_on_another_that_is_before_it(void **state)
     again(&r);
     assert_int_equal(r.bone[bone].parent, RIG_NONE);
     refused(rig_edit_ride_bone(&r, bone, bone, &err), &err, "before it");
-    refused(rig_edit_ride_bone(&r, 0, RIG_NONE, &err), &err, "stays");
+    refused(rig_edit_ride_bone(&r, 0, RIG_NONE, &err), &err, "cannot be removed");
     rig_destroy(&r);
 }
 
@@ -355,10 +355,10 @@ static void bones_that_make_no_sense_are_refused(void **state)
     refused(rig_edit_add_bone(&r, "", BONE_FIXED, here, 9, &index, &err), &err, "1 to");
     refused(rig_edit_add_bone(&r, "x", BONE_BALL, nowhere, 9, &index, &err), &err, "too far");
     refused(rig_edit_add_bone(&r, "x", BONE_BALL, here, 0, &index, &err), &err, "too small");
-    refused(rig_edit_remove_bone(&r, 0, &err), &err, "stays");
+    refused(rig_edit_remove_bone(&r, 0, &err), &err, "cannot be removed");
     refused(rig_edit_remove_bone(&r, 9, &err), &err, "no bone 9");
-    refused(rig_edit_name_bone(&r, 0, "head", &err), &err, "stays");
-    refused(rig_edit_set_ball(&r, 1, here, 3.0, &err), &err, "no ball");
+    refused(rig_edit_name_bone(&r, 0, "head", &err), &err, "cannot be removed");
+    refused(rig_edit_set_ball(&r, 1, here, 3.0, &err), &err, "not a ball");
     assert_int_equal(r.bone_count, 3);
     assert_int_equal(index, 77);
     for (uint32_t i = r.bone_count; i < RIG_BONES_MAX; ++i) {
@@ -393,7 +393,7 @@ static void ellipsoids_come_change_and_go(void **state)
     assert_float_equal(r.proxy[1].radii.y, 9.0, 1e-9);
     assert_true(r.note && strstr(r.note, "skull_proxy[0].who")); /* Bo's stays Bo's */
     made.radii.x = 0.0;
-    refused(rig_edit_add_proxy(&r, &made, &index, &err), &err, "above 0");
+    refused(rig_edit_add_proxy(&r, &made, &index, &err), &err, "greater than 0");
     made.radii.x = (double)INFINITY;
     refused(rig_edit_set_proxy(&r, 0, &made, &err), &err, "too far");
     made = r.proxy[0];

@@ -298,7 +298,8 @@ static void pieces_are_found_by_a_vertex_and_by_where_they_lie(void **state)
     for (uint32_t v = 0; v < SHEET_VERTICES; ++v)
         assert_true((out[v] > 0.5f) == (v % SHEET_SIDE <= 2));
     assert_true(select_on(out, &m, "{\"piece\": 25}", &err) < 0);
-    assert_non_null(strstr(err.text, "select.piece: vertex 25 of a mesh of 25 vertices"));
+    assert_non_null(
+        strstr(err.text, "select.piece: vertex 25 does not exist, the mesh has 25 vertices"));
     mesh_destroy(&m);
 }
 
@@ -324,7 +325,7 @@ static void joints_give_the_shares_of_what_hangs_on_them(void **state)
     assert_int_equal(select_on(out, &m, "{\"joint\": \"LeftEye\"}", &err), MRT_OK);
     assert_true(out[0] > 0.2499f && out[0] < 0.2501f);
     assert_true(select_on(out, &m, "{\"joint\": \"Jaw\"}", &err) < 0);
-    assert_non_null(strstr(err.text, "no skin on a joint \"Jaw\"; it has: Hips, Head, LeftEye"));
+    assert_non_null(strstr(err.text, "has no joint \"Jaw\"; it has: Hips, Head, LeftEye"));
     mesh_destroy(&m);
 }
 
@@ -353,7 +354,7 @@ static void vertices_that_are_not_there_are_refused(void **state)
     float out[SHEET_VERTICES];
     error err = {""};
     assert_true(select_on(out, &m, "{\"vertices\": [\"20-25\"]}", &err) < 0);
-    assert_non_null(strstr(err.text, "vertex 25 of a mesh of 25 vertices"));
+    assert_non_null(strstr(err.text, "vertex 25 does not exist, the mesh has 25 vertices"));
     assert_true(select_on(out, &m, "{\"within\": {\"mm\": 1, \"of\": 25}}", &err) < 0);
     assert_non_null(strstr(err.text, "$.regions[0].select.within.of"));
     mesh_destroy(&m);
@@ -444,7 +445,7 @@ static void overlapping_rigid_regions_are_refused(void **state)
              "{\"bone\": \"jaw\", \"rigid\": true, \"select\": {\"vertices\": [\"7-20\"]}}",
              &err) < 0);
     assert_string_equal(err.text, "$.regions[1]: overlaps $.regions[0]: vertex 7 would be rigid on "
-                                  "\"jaw\" and on \"skull\"; take it out of one of them");
+                                  "\"jaw\" and on \"skull\"; remove it from one of them");
     assert_null(marks.weight);
 }
 

@@ -355,7 +355,7 @@ static void includes_deeper_than_eight_are_refused(void **state)
         put(name, text);
     }
     assert_true(rig_read(&r, in_folder("d0.rig.json"), &err) < 0);
-    assert_non_null(strstr(err.text, "more than 8 files deep"));
+    assert_non_null(strstr(err.text, "more than 8 levels of includes"));
     assert_int_equal(rig_read(&r, in_folder("d1.rig.json"), &err), MRT_OK);
     rig_destroy(&r);
 }

@@ -481,7 +481,7 @@ static void a_head_on_a_body_is_looked_at(void **state)
     scene_look(&s, "opens_head_on_a_body");
     scene_click_word(&s, "Rig");
     scene_frames(&s, 30);
-    assert_null(scene_word_with(&s, "is the unit right"));
+    assert_null(scene_word_with(&s, "check the unit"));
     scene_close(&s);
 }
 

@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a fit that folds is tried again with; the first is only against singular systems. */
+/* Ridges that are tried in turn until the fit does not fold. The first one only guards against
+ * singular systems. */
 static const double ridges[] = {1e-5, 1e-3, 1e-2, 0.1, 1};
 enum { RIDGE_COUNT = sizeof ridges / sizeof ridges[0] };
 
@@ -14,7 +15,7 @@ typedef struct fitting {
     const rig *rig;
     const mesh *mesh, *targets;
     const fit_options *options;
-    uint32_t *vertex;  /* contact_count */
+    uint32_t *vertex;  /* contact_count: vertices of the contacts */
     uint8_t *is_skin;  /* vertex_count */
     uint8_t *is_still; /* vertex_count: rigid on a bone that never moves */
     float *shown;      /* vertex_count by 3 */
@@ -26,17 +27,18 @@ static mrt_result check(const rig *r, const mesh *m, const mesh *targets,
 {
     if (targets->vertex_count != m->vertex_count)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "the targets have %u vertices, the rig's mesh %u: export them from the "
-                         "same mesh, in the same vertex order",
+                         "the targets have %u vertices, but the rig's mesh has %u; export both "
+                         "from the same mesh, in the same vertex order",
                          targets->vertex_count, m->vertex_count);
     if (targets->target_count == 0)
         return error_set(err, MRT_ERR_ARGUMENT, "the file of targets has no morph targets");
     for (uint32_t k = 0; k < options->contact_count; k++) {
         uint32_t contact = options->contact[k];
         if (contact >= r->contact_count || r->contact[contact].vertex >= m->vertex_count)
-            return error_set(err, MRT_ERR_ARGUMENT,
-                             "contact number %u is none of the rig's %u, or not on its mesh",
-                             contact, r->contact_count);
+            return error_set(
+                err, MRT_ERR_ARGUMENT,
+                "contact %u is not one of the rig's %u contacts, or is not on its mesh", contact,
+                r->contact_count);
         for (uint32_t other = 0; other < k; other++)
             if (options->contact[other] == contact)
                 return error_set(err, MRT_ERR_ARGUMENT, "contact \"%s\" is named twice",
@@ -45,7 +47,7 @@ static mrt_result check(const rig *r, const mesh *m, const mesh *targets,
     return MRT_OK;
 }
 
-/* Skin: what is not rigid and can be pulled. */
+/* Marks the skin: vertices that are not rigid and can be pulled. */
 static mrt_result find_skin(fitting *f, const binding *b, const topology *t, error *err)
 {
     bind_marks marks = {0};
@@ -108,7 +110,7 @@ static void finish(fitting *f)
     free(f->shown);
 }
 
-/* ---- what came out ---- */
+/* ---- results ---- */
 
 typedef struct distance {
     double relative, worst_mm, still_mm;
@@ -124,8 +126,8 @@ static double length_of(const float *a, const float *b, const float *offset)
     return sqrt(sum);
 }
 
-/* Of the shape in f->shown to the target. A target that moves no skin: 0 when nothing else moves
- * it either, else infinite. */
+/* Measures the distance of the shape in f->shown from the target. A target that moves no skin has
+ * relative error 0 if nothing moved, else infinity. */
 static distance measure(const fitting *f, const mesh_target *target)
 {
     distance out = {0, 0, 0};
@@ -172,7 +174,7 @@ static mrt_result fit_paper(fitting *f, fit_result *out, uint32_t target, error 
     return MRT_OK;
 }
 
-/* A fit that folds is no face: the pulls are held back until it does not. */
+/* Fits with the rig. A fit that folds is not a face, so the ridge grows until it does not fold. */
 static mrt_result fit_rigged(fitting *f, fit_result *out, uint32_t target, error *err)
 {
     for (int attempt = 0; attempt < RIDGE_COUNT; attempt++) {

@@ -88,7 +88,7 @@ void fit_gram_finish(fit_gram *g)
 
 /* ---- reducing ---- */
 
-/* Which columns of the full form make up a column of the reduced one, and by how much. */
+/* The columns of the full form that make up each column of the reduced one, with their factors. */
 typedef struct recipe {
     uint32_t *from; /* reduced columns by (choice_count) */
     double *amount;

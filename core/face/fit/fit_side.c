@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* For a rig that says no radius: that of an adult's face. */
+/* default radius: that of an adult's face */
 #define RADIUS_MM 60.0
 
 static mrt_result no_memory(error *err)
@@ -44,7 +44,7 @@ static mrt_result engage(fit_side *s, const uint32_t *contact, bool has_rig,
 typedef struct responses {
     float *row; /* column_count of the controls by padded_count */
     size_t stride;
-    uint32_t first_column; /* of the gram: those before are the bones' */
+    uint32_t first_column; /* index in the gram; columns before it belong to the bones */
 } responses;
 
 static mrt_result add_fields(fit_side *s, responses *out, const csrbf_settings *settings,
@@ -157,7 +157,7 @@ csrbf_settings fit_side_settings(const rig *r, const csrbf_settings *asked)
     csrbf_settings settings = asked->radius > 0 ? *asked : r->solver;
     if (!(settings.radius > 0))
         settings.radius = RADIUS_MM;
-    settings.stretch_most = -1.0; /* a fit is made of whole pulls, and measures folds itself */
+    settings.stretch_most = -1.0; /* a fit uses whole pulls and measures folds itself */
     return settings;
 }
 
@@ -206,7 +206,7 @@ void fit_side_destroy(fit_side *s)
 
 /* ---- one target ---- */
 
-/* Where a contact lands: sum_b w_b T_b(start + m g), exactly at start when nothing moves. */
+/* Returns where a contact lands: sum_b w_b T_b(start + m g), exactly at start if nothing moves. */
 static vec3 landing(const fit_side *s, const rigid *pose, uint32_t contact)
 {
     const double *g = s->pull + 3 * (size_t)contact;

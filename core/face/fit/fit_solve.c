@@ -42,7 +42,7 @@ void fit_solver_destroy(fit_solver *s)
 
 /* ---- dense symmetric systems ---- */
 
-/* Lower Cholesky factor in place; false when it is not positive definite. */
+/* Computes the lower Cholesky factor in place. Returns false if `a` is not positive definite. */
 static bool factor(double *a, uint32_t count)
 {
     for (size_t i = 0; i < count; i++)
@@ -88,7 +88,7 @@ static double dot(const double *a, const double *b, uint32_t count)
 
 /* ---- weights of the columns ---- */
 
-static void put_row(double *out, vec3 v)
+static void set_row(double *out, vec3 v)
 {
     out[0] = v.x;
     out[1] = v.y;
@@ -108,7 +108,7 @@ static vec3 motion_weight(const rigid *pose, uint32_t axis)
                   pose->r[2][axis] - (axis == 2)};
 }
 
-/* pull NULL: as if nothing were pulled. */
+/* pull NULL: no control is pulled. */
 static void weigh(const fit_solver *s, double *out, const rigid *pose, const double *pull)
 {
     for (size_t j = 0; j < s->gram->column_count; j++) {
@@ -118,7 +118,7 @@ static void weigh(const fit_solver *s, double *out, const rigid *pose, const dou
             weight = motion_weight(&pose[c->bone], c->axis);
         else if (pull != NULL)
             weight = rigid_rotate(&pose[c->bone], row(pull + 3 * (size_t)c->control));
-        put_row(out + 3 * j, weight);
+        set_row(out + 3 * j, weight);
     }
 }
 
@@ -137,7 +137,7 @@ static void multiply(const fit_solver *s, double *out, const double *weight)
     }
 }
 
-/* The sum over a control's columns, each turned back into the rest of its bone. */
+/* Sums a control's columns, each rotated back into the rest frame of its bone. */
 static void gather(const fit_solver *s, double *out, const rigid *pose, const double *from)
 {
     for (uint32_t k = 0; k < s->gram->control_count; k++) {
@@ -147,7 +147,7 @@ static void gather(const fit_solver *s, double *out, const rigid *pose, const do
             rigid back = rigid_inverse(&pose[s->gram->column[j].bone]);
             sum = vec3_add(sum, rigid_rotate(&back, row(from + 3 * j)));
         }
-        put_row(out + 3 * (size_t)k, sum);
+        set_row(out + 3 * (size_t)k, sum);
     }
 }
 
@@ -185,7 +185,7 @@ static void assemble(fit_solver *s, const rigid *pose)
         s->matrix[i * s->unknown + i] += ridge;
 }
 
-/* energy - 2 right . weight + weight . gram weight; s->product is gram weight then. */
+/* Returns energy - 2 right . weight + weight . gram weight. Sets s->product to gram weight. */
 static double squared_error(fit_solver *s, uint32_t target)
 {
     uint32_t count = 3 * s->gram->column_count;
@@ -229,7 +229,8 @@ static double range_of(const bones_dof *dof)
     return (double)dof->max - (double)dof->min;
 }
 
-/* How the weights change with one degree of freedom, by a difference into its range. */
+/* Computes the derivative of the weights by one degree of freedom, as a difference towards the
+ * inside of its range. */
 static void find_slope(fit_solver *s, const float *dof, uint32_t which, const double *pull)
 {
     const bones_dof *of = &s->bones->dof[which];
@@ -249,11 +250,11 @@ static void find_slope(fit_solver *s, const float *dof, uint32_t which, const do
         slope[i] = taken != 0 ? (slope[i] - s->weight[i]) / taken : 0;
 }
 
-typedef struct normal { /* of the degrees of freedom, the pulls eliminated */
+typedef struct normal { /* normal equations of the degrees of freedom, with the pulls eliminated */
     double matrix[MRT_MAX_DOFS * MRT_MAX_DOFS], gradient[MRT_MAX_DOFS];
 } normal;
 
-/* At s->weight, whose pulls are solved (s->matrix is their factor). */
+/* Builds the equations at s->weight. s->matrix holds the factor of the solved pulls. */
 static void find_normal(fit_solver *s, normal *out, const float *dof, const double *pull,
                         uint32_t target)
 {
@@ -278,9 +279,9 @@ static void find_normal(fit_solver *s, normal *out, const float *dof, const doub
     }
 }
 
-/* A damped step, kept within the limits; false when there is none to take. */
-static bool take_step(const fit_solver *s, float *out, const float *dof, const normal *n,
-                      double damping)
+/* Computes a damped step within the limits. Returns false if no step is possible. */
+static bool damped_step(const fit_solver *s, float *out, const float *dof, const normal *n,
+                        double damping)
 {
     uint32_t dofs = s->bones->dof_count;
     double matrix[MRT_MAX_DOFS * MRT_MAX_DOFS], step[MRT_MAX_DOFS];
@@ -319,7 +320,7 @@ double fit_solve_pose(fit_solver *s, double *pull, float *dof, uint32_t target)
         bool is_better = false;
         for (int attempt = 0; attempt < DAMPING_TRIES && !is_better; attempt++) {
             float next[MRT_MAX_DOFS];
-            if (!take_step(s, next, dof, &n, damping))
+            if (!damped_step(s, next, dof, &n, damping))
                 break;
             double error_squared = fit_solve_pulls(s, pull, next, target);
             is_better = error_squared < best * (1 - 1e-6);

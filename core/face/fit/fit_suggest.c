@@ -8,18 +8,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- where on a face a contact could be: vertices of skin that are seen from outside, spread
- * evenly, in mirrored pairs or on the midline ---- */
+/* ---- candidates: vertices of skin that are visible from outside, spread evenly, in mirrored pairs
+ * or on the midline ---- */
 
 typedef struct candidates {
     uint32_t *vertex; /* vertex_count */
     uint32_t *first;  /* unit_count + 1: unit u is vertex[first[u]] .. vertex[first[u + 1] - 1]: one
-                         on the midline, or two that mirror each other */
+                         vertex on the midline, or two that mirror each other */
     uint32_t vertex_count, unit_count;
 } candidates;
 
-/* How far, in parts of the skin's width, a mirrored vertex may be off, and a vertex on the midline
- * from the plane. */
+/* Tolerances as shares of the skin's width: of a mirrored vertex, and of a midline vertex from the
+ * plane. */
 #define MIRROR_TOLERANCE  0.01
 #define MIDLINE_TOLERANCE 0.005
 
@@ -28,8 +28,8 @@ typedef struct choosing {
     const uint8_t *is_skin;
     nearest *skin;
     double middle_x, width, reach_mm;
-    uint32_t *half; /* skin on the midline or left of it */
-    double *far;    /* of each: squared distance to the nearest chosen */
+    uint32_t *half; /* vertices of skin on the midline or left of it */
+    double *far;    /* squared distance of each from the nearest chosen one */
     const double *interest;
     uint32_t half_count;
 } choosing;
@@ -39,7 +39,7 @@ static bool is_midline(const choosing *c, uint32_t v)
     return fabs(mesh_position(c->mesh, v).x - c->middle_x) <= MIDLINE_TOLERANCE * c->width;
 }
 
-/* UINT32_MAX: none near enough. */
+/* Returns UINT32_MAX if no vertex is near enough. */
 static uint32_t mirrored(const choosing *c, uint32_t v)
 {
     vec3 to = mesh_position(c->mesh, v);
@@ -65,8 +65,8 @@ static vec3 normal_of(const mesh *m, uint32_t vertex)
     return vec3_normalised(sum, (vec3){0, 0, 1});
 }
 
-/* Where the ray meets the triangle (Moeller and Trumbore 1997), in lengths of direction; negative:
- * nowhere. */
+/* Returns where the ray meets the triangle, in lengths of direction (Moeller and Trumbore 1997).
+ * Returns a negative number if it misses. */
 static double ray_meets(vec3 from, vec3 direction, vec3 a, vec3 b, vec3 c)
 {
     vec3 ab = vec3_sub(b, a), ac = vec3_sub(c, a), p = vec3_cross(direction, ac);
@@ -132,8 +132,8 @@ static void note_chosen(choosing *c, uint32_t chosen)
     }
 }
 
-/* The one furthest from all that were chosen, measured in its interest; to begin with, the one of
- * most interest. */
+/* Returns the vertex that is furthest from all chosen ones, weighted by interest. The first one is
+ * that of the greatest interest. */
 static uint32_t next_furthest(const choosing *c, bool is_first)
 {
     uint32_t best = UINT32_MAX;
@@ -168,10 +168,10 @@ static void candidates_destroy(candidates *c)
     *c = (candidates){0};
 }
 
-/* is_skin: vertex_count of m: where a contact may be. interest: vertex_count, > 0: where it is
- * twice as great they lie twice as close. At most unit_capacity units. The plane of symmetry is x =
- * the middle of the skin. A vertex hides when something of the mesh lies less than reach_mm in
- * front of it, along its normal: inside of a mouth, a nostril, a lid. */
+/* is_skin: vertex_count of m: allowed vertices. interest: vertex_count, > 0: twice the interest
+ * halves the distance between candidates. Makes at most unit_capacity units. The plane of symmetry
+ * is x = the middle of the skin. A vertex is hidden if the mesh is less than reach_mm in front of
+ * it, along its normal: inside a mouth, a nostril or a lid. */
 static mrt_result candidates_create(candidates *out, const mesh *m, const uint8_t *is_skin,
                                     const double *interest, uint32_t unit_capacity, double reach_mm,
                                     error *err)
@@ -192,7 +192,7 @@ static mrt_result candidates_create(candidates *out, const mesh *m, const uint8_
         result = error_set(err, MRT_ERR_MEMORY, "no memory to look for contacts");
     else if (measure_skin(&c))
         collect_half(&c);
-    /* Many lie hidden: twice as many are looked at as are wanted. */
+    /* Many vertices are hidden, so twice as many are examined as are wanted. */
     for (uint32_t i = 0;
          result == MRT_OK && i < 2 * unit_capacity && out->unit_count < unit_capacity; i++) {
         uint32_t next = next_furthest(&c, i == 0);
@@ -209,11 +209,11 @@ static mrt_result candidates_create(candidates *out, const mesh *m, const uint8_
     return result;
 }
 
-/* ---- which of them fit best ---- */
+/* ---- the best choice of candidates ---- */
 
 enum { SAMPLES_MOST = 4000, UNITS_MOST = 200, EXCHANGES = 3 };
 
-/* Contacts closer than this part of the radius fight each other. */
+/* Contacts closer than this part of the radius disturb each other. */
 #define SPACING      (1.0 / 6)
 #define RIDGE        1e-4
 #define MOBILE_LEAST 0.5f
@@ -225,8 +225,8 @@ typedef struct suggesting {
     csrbf_settings settings;
     candidates candidates;
     double *kernel; /* candidates by candidates */
-    fit_gram full;  /* one kernel for each candidate and bone */
-    float *dof;     /* target_count by MRT_MAX_DOFS: the poses so far */
+    fit_gram full;  /* one kernel per candidate and bone */
+    float *dof;     /* target_count by MRT_MAX_DOFS: the poses found so far */
     uint32_t *choice;
     double *share, *pull;
     uint32_t choice_count, choice_capacity;
@@ -242,15 +242,15 @@ static float share_of(const suggesting *s, uint32_t bone, uint32_t vertex)
     return s->binding->weight[(size_t)bone * s->binding->vertex_count + vertex];
 }
 
-/* ---- what the candidates do to the skin ---- */
+/* ---- effect of the candidates on the skin ---- */
 
-/* Rows of the skin's sample, then of the candidates. */
+/* A sample of the skin's vertices, followed by the candidates. */
 typedef struct sample {
     uint32_t *vertex; /* skin_count */
     uint32_t skin_count, count;
     points_order order;
     points points;
-    float *row; /* padded_count: one candidate's kernel */
+    float *row; /* padded_count: kernel of one candidate */
 } sample;
 
 static void sample_destroy(sample *p)
@@ -261,7 +261,7 @@ static void sample_destroy(sample *p)
     free(p->row);
 }
 
-/* Every so many-th vertex of the skin. */
+/* Samples the skin at every n-th vertex. */
 static mrt_result sample_create(sample *out, const suggesting *s, const mesh *m,
                                 const uint8_t *is_skin, error *err)
 {
@@ -295,7 +295,7 @@ static mrt_result sample_create(sample *out, const suggesting *s, const mesh *m,
     return result;
 }
 
-/* kernel: of one candidate after the other, at all rows of the sample. */
+/* Writes the kernel of each candidate at all rows of the sample. */
 static mrt_result find_kernels(float *out, const suggesting *s, const mesh *m, sample *p,
                                error *err)
 {
@@ -385,7 +385,7 @@ static mrt_result create_full(suggesting *s, const mesh *m, const uint8_t *is_sk
     return result;
 }
 
-/* ---- how good a choice is ---- */
+/* ---- rating a choice ---- */
 
 static bool invert(double *out, const double *matrix, uint32_t count, double *work)
 {
@@ -412,7 +412,7 @@ static bool invert(double *out, const double *matrix, uint32_t count, double *wo
     return true;
 }
 
-/* s->share: of each bone, the inverse of the kernel matrix of the choices in its field. */
+/* Sets s->share: for each bone the inverse of the kernel matrix of the choices in its field. */
 static bool interpolate(suggesting *s)
 {
     uint32_t width = s->choice_count, count = s->candidates.vertex_count;
@@ -442,9 +442,10 @@ static bool interpolate(suggesting *s)
     return is_regular;
 }
 
-typedef enum pose_search { POSES_AS_THEY_ARE, POSES_ANEW } pose_search;
+typedef enum pose_search { POSES_FIXED, POSES_SOLVED } pose_search;
 
-/* Mean relative residual of the choice over the targets; infinite when it cannot be solved. */
+/* Computes the mean relative residual of the choice over the targets; infinite if it cannot be
+ * solved. */
 static mrt_result rate(suggesting *s, double *out, pose_search search, error *err)
 {
     *out = HUGE_VAL;
@@ -461,8 +462,8 @@ static mrt_result rate(suggesting *s, double *out, pose_search search, error *er
         float *dof = s->dof + (size_t)t * MRT_MAX_DOFS;
         if (!(reduced.energy[t] > 0))
             continue;
-        double missed = search == POSES_ANEW ? fit_solve_pose(&solver, s->pull, dof, t)
-                                             : fit_solve_pulls(&solver, s->pull, dof, t);
+        double missed = search == POSES_SOLVED ? fit_solve_pose(&solver, s->pull, dof, t)
+                                               : fit_solve_pulls(&solver, s->pull, dof, t);
         sum += sqrt(missed / reduced.energy[t]);
     }
     if (result == MRT_OK)
@@ -501,7 +502,8 @@ static void push_unit(suggesting *s, uint32_t unit)
         s->choice[s->choice_count++] = i;
 }
 
-/* Adds the unit that helps most; size: exactly so many contacts, 0: any. UINT32_MAX: none fits. */
+/* Adds the unit that helps most. size: number of contacts of the unit, or 0 for any. *out_unit is
+ * UINT32_MAX if none fits. */
 static mrt_result add_best(suggesting *s, uint32_t *out_unit, double *out_rating, uint32_t size,
                            const mesh *m, error *err)
 {
@@ -515,7 +517,7 @@ static mrt_result add_best(suggesting *s, uint32_t *out_unit, double *out_rating
             continue;
         double rating;
         push_unit(s, u);
-        mrt_result result = rate(s, &rating, POSES_AS_THEY_ARE, err);
+        mrt_result result = rate(s, &rating, POSES_FIXED, err);
         s->choice_count = before;
         if (result != MRT_OK)
             return result;
@@ -537,7 +539,7 @@ static uint32_t unit_of(const candidates *c, uint32_t candidate)
     return unit;
 }
 
-/* Takes out one unit after the other and puts in the best of its size instead. */
+/* Replaces each unit in turn by the best one of its size. */
 static mrt_result exchange(suggesting *s, const mesh *m, error *err)
 {
     for (uint32_t taken = 0; taken < s->choice_count;) {
@@ -554,26 +556,26 @@ static mrt_result exchange(suggesting *s, const mesh *m, error *err)
         taken += length;
     }
     double rating;
-    return rate(s, &rating, POSES_ANEW, err);
+    return rate(s, &rating, POSES_SOLVED, err);
 }
 
 static mrt_result search(suggesting *s, const mesh *m, error *err)
 {
     double rating;
-    mrt_result result = rate(s, &rating, POSES_ANEW, err);
+    mrt_result result = rate(s, &rating, POSES_SOLVED, err);
     while (result == MRT_OK && s->choice_count < s->choice_capacity) {
         uint32_t unit;
         result = add_best(s, &unit, &rating, 0, m, err);
         if (result != MRT_OK || unit == UINT32_MAX)
             break;
-        result = rate(s, &rating, POSES_ANEW, err);
+        result = rate(s, &rating, POSES_SOLVED, err);
     }
     for (int pass = 0; result == MRT_OK && pass < EXCHANGES; pass++)
         result = exchange(s, m, err);
     return result;
 }
 
-/* ---- all of it ---- */
+/* ---- suggesting contacts ---- */
 
 static double travel_of(const mesh_target *target, size_t v)
 {
@@ -581,7 +583,8 @@ static double travel_of(const mesh_target *target, size_t v)
     return fabs((double)offset[0]) + fabs((double)offset[1]) + fabs((double)offset[2]);
 }
 
-/* Where the targets move the face most, contacts are of most use: from 1/4 to 1. */
+/* Sets the interest, from 1/4 to 1. Contacts are most useful where the targets move the face
+ * most. */
 static void find_interest(double *out, const suggesting *s, uint32_t vertex_count)
 {
     for (uint32_t v = 0; v < vertex_count; v++)
@@ -597,7 +600,8 @@ static void find_interest(double *out, const suggesting *s, uint32_t vertex_coun
     }
 }
 
-/* Where a contact may be: mobile vertices of the largest piece of surface, not lashes and brows. */
+/* Marks vertices that can carry a contact: mobile ones on the largest piece of surface, not lashes
+ * and brows. */
 static mrt_result mark_candidates(uint8_t *is_candidate, const suggesting *s, const mesh *m,
                                   const topology *t, error *err)
 {
@@ -655,8 +659,8 @@ mrt_result fit_suggest(uint32_t *out_vertex, uint32_t *out_count, uint32_t count
     *out_count = 0;
     if (targets->vertex_count != m->vertex_count || targets->target_count == 0)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "contacts are suggested from morph targets on the rig's own %u vertices; "
-                         "here are %u targets on %u vertices",
+                         "contacts can only be suggested from morph targets on the rig's own mesh "
+                         "of %u vertices; the file has %u targets on %u vertices",
                          m->vertex_count, targets->target_count, targets->vertex_count);
     if (count == 0 || count > MRT_MAX_VECTORS)
         return error_set(err, MRT_ERR_ARGUMENT, "1 to %d contacts can be suggested, not %u",

@@ -1,5 +1,5 @@
-/* face/frame/blend.h - how a point of the face is moved: the motions of several bones, each in
- * its share, as one affine map. Inside the room. Pure. */
+/* face/frame/blend.h - the motion of a point of the face: the motions of several bones, each
+ * weighted by its share, as one affine map. Private to this folder. Pure. */
 #ifndef MAROTTE_FACE_BLEND_H
 #define MAROTTE_FACE_BLEND_H
 #include "base/rigid.h"
@@ -40,7 +40,7 @@ static inline vec3 matrix3x3_apply(const matrix3x3 *m, vec3 x)
                   m->at[2][0] * x.x + m->at[2][1] * x.y + m->at[2][2] * x.z};
 }
 
-/* Row k of an array of rows of three. */
+/* Returns row k of an array of rows of three. */
 static inline vec3 vec3_row(const double *rows, size_t k)
 {
     return (vec3){rows[3 * k], rows[3 * k + 1], rows[3 * k + 2]};
@@ -53,19 +53,19 @@ static inline void vec3_set_row(double *rows, size_t k, vec3 value)
     rows[3 * k + 2] = value.z;
 }
 
-/* How far x is moved. */
+/* Returns the displacement of x. */
 static inline vec3 blend_moves(const blend *b, vec3 x)
 {
     return vec3_add(matrix3x3_apply(&b->rotation, x), b->shift);
 }
 
 vec3 blend_apply(const blend *b, vec3 x);
-/* x from where it was moved to; a blend that is singular is taken as a translation. */
+/* Returns x from its moved position. Treats a singular blend as a translation. */
 vec3 blend_undo(const blend *b, vec3 moved);
-/* The same for a direction that x was moved by before the blend was applied. */
+/* The same for a direction by which x was moved before the blend. */
 vec3 blend_undo_direction(const blend *b, vec3 direction);
 
-/* False, and out is not set, when m is as good as singular: |det| < 1e-6. */
+/* Returns false, without setting out, if m is nearly singular: |det| < 1e-6. */
 bool matrix3x3_invert(matrix3x3 *out, const matrix3x3 *m);
 
 #endif

@@ -5,19 +5,21 @@
 #include <math.h>
 #include <stdio.h>
 
-static const double soft_part = 0.15;       /* of a limit: where it begins to be felt */
+static const double soft_part = 0.15;       /* of a limit: the range where it takes effect */
 static const double narrowed_to = 0.4;      /* of the lateral and forward limits at full opening */
 static const double slide_begins_mm = 20.0; /* incisor gap */
 static const double slide_ends_mm = 45.0;
-static const double guidance = 0.4;        /* mm down for each mm aside, teeth together */
+static const double guidance = 0.4;        /* mm down per mm aside, with the teeth together */
 static const double guidance_ends_mm = 12; /* incisor gap */
-static const double depth_least = 0.3;     /* of the arm: a jaw that hangs down does not spin */
-static const double side_mm = 2.0;         /* lateral motion that brings its centre to a condyle */
+static const double depth_least =
+    0.3;                           /* of the arm: bounds the rotation of a jaw that hangs down */
+static const double side_mm = 2.0; /* lateral motion at which its centre approaches a condyle */
 static const vec3 condyle_path = {0.0, -0.55, 0.83};
 
 /* ---- limits ---- */
 
-/* 0 .. limit, limit >= 0. From 85 % on: the cubic with slope 1 there and 0 at the limit. */
+/* Limits a value to 0 .. limit, limit >= 0. From 85 % on uses a cubic with slope 1 there and 0 at
+ * the limit. */
 static double soft_side(double value, double limit)
 {
     double width = soft_part * limit, from = limit - width;
@@ -35,7 +37,7 @@ double bones_soft_limit(double value, double min, double max)
     return value < 0.0 ? -soft_side(-value, -min) : soft_side(value, max);
 }
 
-/* Bisection: the cubic is flat at its end. */
+/* Uses bisection, since the cubic is flat at its end. */
 static double soft_side_inverse(double limited, double limit)
 {
     double width = soft_part * limit, low = limit - width, high = limit;
@@ -64,7 +66,7 @@ double bones_followed(double limited, double by_rad, double min, double max)
         return limited;
     double part = limited > 0.0 ? limited / max : 0.0;
     double fade = part < 1.0 ? (1.0 - part) * (1.0 - part) * (1.0 + 2.0 * part) : 0.0;
-    /* up to half the way: from there on it would go back while `limited` grows */
+    /* at most half the range: beyond, the result would decrease while `limited` grows */
     if (by_rad > 0.0)
         return limited + fade * soft_side(by_rad, 0.5 * max);
     return limited - soft_side(-by_rad * fade, limited - min);
@@ -98,8 +100,8 @@ static double smoothstep(double low, double high, double x)
     return t * t * (3.0 - 2.0 * t);
 }
 
-/* The rotation by which a point `depth` before an upright axis and `side` beside it goes `way`
- * aside: depth sin a + side (1 - cos a) = way, by Newton's method. */
+/* Returns the rotation that moves a point by `way` sideways. The point is `depth` in front of an
+ * upright axis and `side` beside it: depth sin a + side (1 - cos a) = way, by Newton's method. */
 static double lateral_angle(double depth, double side, double way)
 {
     double angle = way / depth;
@@ -111,7 +113,7 @@ static double lateral_angle(double depth, double side, double way)
     return angle;
 }
 
-/* The working condyle stays, the other one goes forward; smooth and symmetric about 0. */
+/* The condyle of one side stays and the other one moves forward. Smooth and symmetric about 0. */
 rigid bones_aside(const bones *b, double lateral_mm, double turn_rad)
 {
     const bones_hinge *h = &b->hinge;
@@ -137,7 +139,7 @@ double bones_slide(const bones *b, double open_rad)
     return b->rig->bone[b->jaw].slide_mm * smoothstep(slide_begins_mm, slide_ends_mm, gap);
 }
 
-/* Smooth where the jaw begins to go aside: 1 mm rounds the corner. */
+/* Smooth where the lateral motion begins: 1 mm rounds the corner. */
 double bones_guided_opening(const bones *b, double open_rad, double lateral_mm)
 {
     double down_mm = guidance * (sqrt(lateral_mm * lateral_mm + 1.0) - 1.0);
@@ -164,7 +166,7 @@ static double value_of(const float *dof, uint32_t at)
     return isnan(value) ? 0.0 : value;
 }
 
-/* The jaw's dofs, limited: open rad, lateral mm, forward mm. */
+/* Limits the jaw's dofs: open rad, lateral mm, forward mm. */
 static void limit_jaw(double out[3], const bones *b, const float *dof)
 {
     const rig_bone *jaw = &b->rig->bone[b->jaw];
@@ -268,7 +270,7 @@ void bones_pose(rigid *out, const bones *b, const float *dof)
     }
 }
 
-/* ---- made from a rig ---- */
+/* ---- creation from a rig ---- */
 
 static bool is_finite(vec3 v)
 {
@@ -281,22 +283,20 @@ static mrt_result init_hinge(bones *b, const rig_bone *jaw, error *err)
     vec3 across = vec3_sub(jaw->hinge_left, jaw->hinge_right);
     double width = vec3_length(across);
     if (!is_finite(across) || !(width > 1e-3))
-        return error_set(
-            err, MRT_ERR_FORMAT,
-            "bone %s: its hinge is %g mm wide: place \"left\" and \"right\" at the two "
-            "condyles",
-            jaw->name, width);
+        return error_set(err, MRT_ERR_FORMAT,
+                         "bone %s: its hinge is only %g mm wide; place \"left\" and \"right\" at "
+                         "the two condyles",
+                         jaw->name, width);
     if (!(jaw->open_min_rad <= 0.0 && jaw->open_max_rad >= 0.0 && jaw->open_max_rad < ANGLE_PI &&
           jaw->open_min_rad > -ANGLE_PI))
-        return error_set(
-            err, MRT_ERR_FORMAT,
-            "bone %s: \"open_deg\" from %g to %g rad: expected [low, high] with low <= "
-            "0 <= high, less than 180 degrees",
-            jaw->name, jaw->open_min_rad, jaw->open_max_rad);
+        return error_set(err, MRT_ERR_FORMAT,
+                         "bone %s: \"open_deg\" ranges from %g to %g rad: expected [low, high] "
+                         "with low <= 0 <= high, less than 180 degrees",
+                         jaw->name, jaw->open_min_rad, jaw->open_max_rad);
     if (!(jaw->lateral_mm >= 0.0 && jaw->forward_mm >= 0.0 && jaw->slide_mm >= 0.0 &&
           isfinite(jaw->lateral_mm + jaw->forward_mm + jaw->slide_mm)))
         return error_set(err, MRT_ERR_FORMAT,
-                         "bone %s: lateral, forward and slide must be lengths from 0 up",
+                         "bone %s: lateral, forward and slide must be lengths of 0 or more",
                          jaw->name);
     const vec3 y = {0.0, 1.0, 0.0}, z = {0.0, 0.0, 1.0};
     h->half_mm = 0.5 * width;
@@ -312,11 +312,10 @@ static mrt_result init_hinge(bones *b, const rig_bone *jaw, error *err)
     h->depth_mm = vec3_dot(arm, h->forward);
     h->rise_mm = vec3_dot(arm, h->up);
     if (!is_finite(arm) || !(h->depth_mm > 1.0))
-        return error_set(
-            err, MRT_ERR_FORMAT,
-            "bone %s: the incisor lies %g mm before the hinge: give \"incisor\", or turn "
-            "the face towards +z with its left at +x",
-            jaw->name, h->depth_mm);
+        return error_set(err, MRT_ERR_FORMAT,
+                         "bone %s: the incisor is %g mm in front of the hinge; set \"incisor\", or "
+                         "turn the face towards +z with its left at +x",
+                         jaw->name, h->depth_mm);
     return MRT_OK;
 }
 
@@ -326,13 +325,13 @@ static mrt_result add_dof(bones *b, uint32_t bone, const char *name, const char 
     const char *owner = b->rig->bone[bone].name;
     if (b->dof_count == MRT_MAX_DOFS)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "bone %s: more than %d degrees of freedom: leave out some turns", owner,
-                         MRT_MAX_DOFS);
+                         "bone %s: the rig has more than %d degrees of freedom; remove some turns",
+                         owner, MRT_MAX_DOFS);
     bones_dof *dof = &b->dof[b->dof_count];
     int length = snprintf(dof->name, sizeof dof->name, "%s.%s", owner, name);
     if (length < 0 || (size_t)length >= sizeof dof->name)
         return error_set(err, MRT_ERR_FORMAT,
-                         "bone %s: the name %s.%s is longer than %zu letters: shorten it", owner,
+                         "bone %s: the name %s.%s is longer than %zu characters; shorten it", owner,
                          owner, name, sizeof dof->name - 1);
     dof->unit = unit;
     dof->min = (float)min;
@@ -348,7 +347,7 @@ static mrt_result init_jaw(bones *b, uint32_t bone, error *err)
     const rig_bone *jaw = &b->rig->bone[bone];
     if (b->jaw != RIG_NONE)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "bone %s: the rig has a jaw already, %s: only one bone may have a hinge",
+                         "bone %s: the rig already has a jaw, %s; only one bone can have a hinge",
                          jaw->name, b->rig->bone[b->jaw].name);
     b->jaw = bone;
     if (jaw->has_incisor)
@@ -372,8 +371,9 @@ static mrt_result init_ball(bones *b, uint32_t bone, error *err)
     for (uint32_t i = 0; i < ball->turn_count; ++i) {
         const rig_turn *t = &ball->turn[i];
         if (!(fabs(vec3_length(t->axis) - 1.0) < 1e-6))
-            return error_set(err, MRT_ERR_FORMAT, "bone %s: the axis of turn %s has length %g",
-                             ball->name, t->name, vec3_length(t->axis));
+            return error_set(err, MRT_ERR_FORMAT,
+                             "bone %s: the axis of turn %s has length %g: expected 1", ball->name,
+                             t->name, vec3_length(t->axis));
         if (!(t->min_rad <= 0.0 && t->max_rad >= 0.0 && isfinite(t->max_rad - t->min_rad)))
             return error_set(
                 err, MRT_ERR_FORMAT,
@@ -382,8 +382,8 @@ static mrt_result init_ball(bones *b, uint32_t bone, error *err)
                 ball->name, t->name, t->min_rad, t->max_rad);
         const char *fault = rig_follow_fault(b->rig, bone, i);
         if (fault)
-            return error_set(err, MRT_ERR_FORMAT, "bone %s: what turn %s follows %s", ball->name,
-                             t->name, fault);
+            return error_set(err, MRT_ERR_FORMAT, "bone %s: the turn that %s follows %s",
+                             ball->name, t->name, fault);
         mrt_result result = add_dof(b, bone, t->name, "rad", t->min_rad, t->max_rad, err);
         if (result < 0)
             return result;
@@ -394,17 +394,18 @@ static mrt_result init_ball(bones *b, uint32_t bone, error *err)
 static mrt_result init_seal(bones *b, error *err)
 {
     if (b->dof_count == MRT_MAX_DOFS)
-        return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "$.mouth: the bones have %d degrees of freedom, and " RIG_LIPS_SEAL
-                         " is one more than there may be: leave out some turns",
-                         MRT_MAX_DOFS);
+        return error_set(
+            err, MRT_ERR_UNSUPPORTED,
+            "$.mouth: the bones already have all %d degrees of freedom, and " RIG_LIPS_SEAL
+            " needs one more; remove some turns",
+            MRT_MAX_DOFS);
     b->seal = b->dof_count++;
     b->dof[b->seal] =
         (bones_dof){.name = RIG_LIPS_SEAL, .unit = "", .min = 0.0f, .max = 1.0f, .bone = RIG_NONE};
     return MRT_OK;
 }
 
-/* Parents before their children. */
+/* Orders the bones with parents before their children. */
 static mrt_result init_order(bones *b, error *err)
 {
     bool placed[RIG_BONES_MAX] = {false};
@@ -421,9 +422,10 @@ static mrt_result init_order(bones *b, error *err)
         }
     for (uint32_t bone = 0; bone < b->bone_count; ++bone)
         if (!placed[bone])
-            return error_set(err, MRT_ERR_FORMAT,
-                             "bone %s: it rides on itself through its parents: name another parent",
-                             b->rig->bone[bone].name);
+            return error_set(
+                err, MRT_ERR_FORMAT,
+                "bone %s: it is its own parent through other bones; choose another parent",
+                b->rig->bone[bone].name);
     return MRT_OK;
 }
 
@@ -439,7 +441,8 @@ mrt_result bones_init(bones *out, const rig *r, vec3 incisor, error *err)
         mrt_result result = MRT_OK;
         out->first_dof[bone] = out->dof_count;
         if (parent != RIG_NONE && parent >= r->bone_count)
-            return error_set(err, MRT_ERR_FORMAT, "bone %s: its parent is bone %u of %u",
+            return error_set(err, MRT_ERR_FORMAT,
+                             "bone %s: its parent is bone %u, but the rig has only %u bones",
                              r->bone[bone].name, parent, r->bone_count);
         if (r->bone[bone].kind == BONE_JAW)
             result = init_jaw(out, bone, err);

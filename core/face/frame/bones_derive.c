@@ -1,5 +1,5 @@
-/* The jaw pose that controls ask for: least squares by Gauss-Newton within a box. What the controls
- * say is summed up first, so that a pose is judged at the cost of a few small products. */
+/* Derives the jaw pose from the ends of controls: least squares by Gauss-Newton within a box. The
+ * data of the controls is summed first, so that each pose costs only a few small products. */
 #include "face/bones.h"
 
 #include <math.h>
@@ -7,18 +7,19 @@
 enum { OPENINGS = 6, POSES = 10, SWEEPS = 16, NEWTON = 5, JAW_DOFS = 3 };
 static const double difference_rad = 1e-5, difference_mm = 1e-3;
 static const double settled_rad = 1e-9, settled_mm = 1e-7;
-static const double negligible = 1e-12; /* of what is asked for */
+static const double negligible = 1e-12; /* of the requested motion */
 
-/* With s the starts from the middle of the hinge and d = end - start. */
+/* Sums over the controls. s is the start relative to the middle of the hinge, and d = end -
+ * start. */
 typedef struct evidence {
     double weight;
     double s[3], d[3];         /* sum of w s, w d */
     double ss[3][3], ds[3][3]; /* sum of w s s^T, w d s^T */
     double dd;                 /* sum of w d . d */
-    uint32_t rider_count;      /* controls that ride on the jaw at all */
+    uint32_t rider_count;      /* controls with any share on the jaw */
 } evidence;
 
-/* x -> x + r x + t, about the middle of the hinge. */
+/* x -> x + r x + t, relative to the middle of the hinge. */
 typedef struct motion {
     double r[3][3], t[3];
 } motion;
@@ -51,7 +52,7 @@ static evidence gather(const bones *b, const double *start, const double *end, c
     return e;
 }
 
-/* A rigid motion, about the middle of the hinge. */
+/* Expresses a rigid motion relative to the middle of the hinge. */
 static motion motion_of(const bones *b, const rigid *m)
 {
     vec3 t = vec3_sub(rigid_apply(m, b->hinge.middle), b->hinge.middle);
@@ -62,9 +63,9 @@ static motion motion_of(const bones *b, const rigid *m)
     return out;
 }
 
-/* Opened and aside, the condyles where they are at rest. The first unknown is the turn about the
- * hinge, what the cusps add to the opening included: with the guidance in the model, pulls that
- * press the teeth together would have two best answers, one to either side. */
+/* Returns the jaw opened and moved aside, with the condyles at rest. The first unknown is the turn
+ * about the hinge, including the opening that the cusps add. If the guidance were part of the
+ * model, pulls that press the teeth together would have two best answers, one to each side. */
 static rigid jaw_at(const bones *b, double turn_rad, double lateral_mm)
 {
     rigid opening = rigid_turn(b->hinge.middle, b->hinge.left, turn_rad);
@@ -90,7 +91,7 @@ static motion slope_of_opening(const bones *b, const double p[JAW_DOFS])
     return slope_between(b, &before, &after, 2.0 * difference_rad);
 }
 
-/* Towards the side: at 0 the axis changes from one condyle to the other. */
+/* Differentiates towards one side, since at 0 the axis changes from one condyle to the other. */
 static motion slope_of_lateral(const bones *b, const double p[JAW_DOFS], double side)
 {
     rigid before = jaw_at(b, p[0], p[1]);
@@ -98,8 +99,8 @@ static motion slope_of_lateral(const bones *b, const double p[JAW_DOFS], double 
     return slope_between(b, &before, &after, side * difference_mm);
 }
 
-/* The opening that the cusps guide to this turn, by Newton's method: they never take more than half
- * of an opening's slope. The least opening where they alone turn further. */
+/* Returns the opening that the cusps guide to this turn, by Newton's method. The cusps never take
+ * more than half of an opening's slope. Returns the least opening if they alone turn further. */
 static double opening_of(const bones *b, double turn_rad, double lateral_mm)
 {
     const rig_bone *jaw = &b->rig->bone[b->jaw];
@@ -114,8 +115,8 @@ static double opening_of(const bones *b, double turn_rad, double lateral_mm)
     return open_rad > jaw->open_min_rad ? open_rad : jaw->open_min_rad;
 }
 
-/* The jaw's motion at p, and its derivatives by the first `count` degrees of freedom while the
- * condyles stay. */
+/* Returns the jaw's motion at p, and its derivatives by the first `count` degrees of freedom with
+ * fixed condyles. */
 static motion motion_at(const bones *b, const double p[JAW_DOFS], double side,
                         motion slope[JAW_DOFS], int count)
 {
@@ -162,8 +163,8 @@ static double asked(const evidence *e, const motion *a)
     return sum;
 }
 
-/* Minimises 1/2 x H x + g x for the first `count` unknowns, low <= x <= high, coordinate by
- * coordinate. */
+/* Minimises 1/2 x H x + g x for the first `count` unknowns, low <= x <= high, by coordinate
+ * descent. */
 static void solve_in_box(double x[JAW_DOFS], double h[JAW_DOFS][JAW_DOFS], const double *g,
                          const double *low, const double *high, int count)
 {
@@ -179,9 +180,9 @@ static void solve_in_box(double x[JAW_DOFS], double h[JAW_DOFS][JAW_DOFS], const
         }
 }
 
-/* One step of Gauss-Newton for the first `count` degrees of freedom, lateral motion to one side
- * only (1: the subject's left). Returns what p left over before: sum of w |d - what the jaw
- * does|^2. */
+/* Makes one step of Gauss-Newton for the first `count` degrees of freedom, with lateral motion to
+ * one side only (1: the subject's left). Returns the residual of p before the step: sum of w |d -
+ * motion of the jaw|^2. */
 static double improve(const bones *b, const evidence *e, double p[JAW_DOFS], double side, int count)
 {
     const rig_bone *jaw = &b->rig->bone[b->jaw];
@@ -210,9 +211,9 @@ static bool is_settled(const double before[JAW_DOFS], const double now[JAW_DOFS]
            fabs(now[2] - before[2]) < settled_mm;
 }
 
-/* A turn about the one condyle is not a turn about the other: to each side there is a best pose.
- * The two are weighed by how little they leave over, so that the jaw passes from one to the other
- * without a jump; where one explains all, it alone counts. */
+/* Combines the best poses to each side, since a turn about one condyle is not a turn about the
+ * other. The weights depend on the residuals, so that the jaw passes from one pose to the other
+ * without a jump. If one pose explains everything, it alone counts. */
 static void weigh_sides(const bones *b, const evidence *e, double p[JAW_DOFS])
 {
     double sum[JAW_DOFS] = {0}, weight_sum = 0.0;
@@ -234,7 +235,7 @@ static void weigh_sides(const bones *b, const evidence *e, double p[JAW_DOFS])
         p[i] = sum[i] / weight_sum;
 }
 
-/* Lateral and forward as their last values, limited at the opening of now. */
+/* Sets lateral and forward to their last values, limited at the current opening. */
 static void hold(const bones *b, double p[JAW_DOFS], const float *dof)
 {
     double lateral = bones_lateral_limit(b, p[0]), forward = bones_forward_limit(b, p[0]);

@@ -6,7 +6,7 @@
 
 /* ---- columns of the bones ---- */
 
-/* w (x - c) for one axis, in one block. */
+/* Computes w (x - c) for one axis in one block. */
 static void fill_block(float *restrict out, const float *restrict weight, const float *restrict x,
                        double centre)
 {
@@ -14,8 +14,8 @@ static void fill_block(float *restrict out, const float *restrict weight, const 
         out[i] = (float)((double)weight[i] * ((double)x[i] - centre));
 }
 
-/* The four columns of a bone where it carries vertices: w (x - c) along each axis, and w. wanted:
- * the blocks to fill; NULL: all. */
+/* Fills the four columns of a bone where it carries vertices: w (x - c) along each axis, and w.
+ * wanted: the blocks to fill; NULL: all. */
 static void fill_carried(face *f, const face_field *field, const uint8_t *wanted)
 {
     float *row[FACE_POSE_COLUMNS];
@@ -46,10 +46,10 @@ void face_pose_columns(face *f)
             continue;
         field->pose_column = column;
         column += FACE_POSE_COLUMNS;
-        if (!is_noted) /* where a bone has vertices does not change */
+        if (!is_noted) /* the vertices of a bone do not change */
             memset(columns_row(&f->columns, field->pose_column), 0,
                    FACE_POSE_COLUMNS * f->columns.stride * sizeof(float));
-        /* where the origin has changed since they were filled the shape shown is stale too */
+        /* if the origin has changed since they were filled, the shape shown is stale, too */
         fill_carried(f, field, is_noted ? f->blocks.is_stale : NULL);
     }
     if (!is_pose_alone)
@@ -64,7 +64,7 @@ void face_pose_columns(face *f)
     face_lips_engage(f);
 }
 
-static void put(double *row, double x, double y, double z)
+static void set_row(double *row, double x, double y, double z)
 {
     row[0] = x;
     row[1] = y;
@@ -77,10 +77,10 @@ void face_weigh_bone(const face *f, double *weight, uint32_t bone, const rigid *
     double *row = weight + (size_t)3 * field->pose_column;
     const rigid *p = &pose[bone];
     vec3 shift = vec3_sub(rigid_apply(p, field->pivot), field->pivot);
-    put(row, p->r[0][0] - 1.0, p->r[1][0], p->r[2][0]);
-    put(row + 3, p->r[0][1], p->r[1][1] - 1.0, p->r[2][1]);
-    put(row + 6, p->r[0][2], p->r[1][2], p->r[2][2] - 1.0);
-    put(row + 9, shift.x, shift.y, shift.z);
+    set_row(row, p->r[0][0] - 1.0, p->r[1][0], p->r[2][0]);
+    set_row(row + 3, p->r[0][1], p->r[1][1] - 1.0, p->r[2][1]);
+    set_row(row + 6, p->r[0][2], p->r[1][2], p->r[2][2] - 1.0);
+    set_row(row + 9, shift.x, shift.y, shift.z);
 }
 
 void face_pose_weights(face *f, double *weight, const rigid *pose)
@@ -103,7 +103,7 @@ bool face_is_posed(const face *f)
     return false;
 }
 
-/* What the controls add to a block of the shape shown, carried back through the bones' motion. */
+/* Carries the controls' displacement in a block back through the bones' motion. */
 static void unpose_block(const face *f, float sum[3][POINTS_BLOCK], uint32_t block)
 {
     for (size_t i = 0; i < POINTS_BLOCK; ++i) {
@@ -195,7 +195,7 @@ void face_reset(face *f)
     face_show_rest(f);
 }
 
-/* ---- what happened ---- */
+/* ---- readings ---- */
 
 bool face_is_near(const face *f, const double *point, uint32_t count, double radius)
 {

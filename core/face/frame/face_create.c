@@ -6,7 +6,7 @@
 #include <string.h>
 
 enum { ALIGNMENT = 64 };
-static const float weight_least = 1e-6f; /* less moves a face by less than it can show */
+static const float weight_least = 1e-6f; /* smaller weights have no visible effect */
 
 static mrt_result check_binding(const binding *b, const rig *r, const mesh *m, error *err)
 {
@@ -14,7 +14,7 @@ static mrt_result check_binding(const binding *b, const rig *r, const mesh *m, e
     if (b->vertex_count != m->vertex_count || b->bone_count != bone_count || !b->weight ||
         !b->mobility)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "a binding of %u vertices to %u bones: expected %u and %u",
+                         "the binding has %u vertices and %u bones: expected %u and %u",
                          b->vertex_count, b->bone_count, m->vertex_count, bone_count);
     size_t weight_count = (size_t)b->bone_count * b->vertex_count;
     for (size_t i = 0; i < weight_count; ++i)
@@ -28,12 +28,13 @@ static mrt_result check_binding(const binding *b, const rig *r, const mesh *m, e
                              (double)b->mobility[i]);
     for (uint32_t i = 0; r && i < r->contact_count; ++i)
         if (r->contact[i].vertex >= m->vertex_count)
-            return error_set(err, MRT_ERR_FORMAT, "contact %s: vertex %u: the mesh has %u vertices",
+            return error_set(err, MRT_ERR_FORMAT,
+                             "contact %s: vertex %u does not exist, the mesh has %u vertices",
                              r->contact[i].name, r->contact[i].vertex, m->vertex_count);
     return MRT_OK;
 }
 
-/* The foremost of the vertices that are the jaw's, rigid ones if there are any. */
+/* Finds the foremost vertex of the jaw, among its rigid ones if there are any. */
 static vec3 find_incisor(const rig *r, const mesh *m, const binding *b)
 {
     uint32_t jaw = 0, found = RIG_NONE;
@@ -57,7 +58,7 @@ static vec3 find_incisor(const rig *r, const mesh *m, const binding *b)
     return mesh_position(m, found);
 }
 
-/* 1 + the bone that a vertex is rigid on; 0: skin. */
+/* Returns 1 + the bone that a vertex is rigid on, or 0 for skin. */
 static uint32_t part_of(const binding *b, uint32_t vertex)
 {
     uint32_t bone = 0;
@@ -66,8 +67,8 @@ static uint32_t part_of(const binding *b, uint32_t vertex)
     return bone < b->bone_count && b->mobility[vertex] < weight_least ? 1 + bone : 0;
 }
 
-/* Skin first, then what is rigid on each bone, in the order that was: so a block of vertices is
- * seldom moved by bones and controls that move only some of it. */
+/* Orders skin first, then the rigid vertices of each bone, keeping the order within each group. So
+ * few blocks of vertices are moved only in part by a bone or control. */
 static void group_order(points_order *order, const binding *b, uint32_t *scratch)
 {
     uint32_t slot = 0;
@@ -117,7 +118,8 @@ static float *create_stream(const face *f)
     return aligned_alloc(ALIGNMENT, ((size_t)f->rest.padded_count + ALIGNMENT) * sizeof(float));
 }
 
-/* A row in the file's order into the engine's; slots beyond the count repeat the last. */
+/* Converts a row from the file's order to the engine's. Slots beyond the count repeat the last
+ * vertex. */
 static void order_stream(const face *f, float *out, const float *row)
 {
     for (uint32_t slot = 0; slot < f->rest.padded_count; ++slot) {
@@ -190,7 +192,8 @@ static mrt_result create_columns(face *f, error *err)
     uint64_t capacity =
         (uint64_t)each * f->control_capacity + FACE_POSE_COLUMNS * moving + f->shape_column_count;
     if (capacity > COLUMNS_CAPACITY)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%u controls on %u bones are too many",
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "%u controls on %u bones are too many; use fewer controls",
                          f->control_capacity, f->bone_count);
     mrt_result result = columns_create(&f->columns, &f->rest, (uint32_t)capacity, err);
     if (result >= 0)
@@ -198,7 +201,7 @@ static mrt_result create_columns(face *f, error *err)
     return result;
 }
 
-/* As many points as controls fit. */
+/* Creates one point per control. */
 static mrt_result create_grip_positions(face *f, error *err)
 {
     size_t count = f->control_capacity > 0 ? f->control_capacity : 1;

@@ -4,11 +4,11 @@
 #include <string.h>
 
 enum { PARTS = 4 }; /* tries */
-/* Their stretch is the pulls' own, limit_drag. */
+/* The stretch limit is that of the pulls, see yield. */
 static const surface_limits clay = {.bend_deg = 89.0, .area = 0.02};
 
-/* The shape shown becomes one that is dragged: bones at rest, no controls. */
-static void let_go(face *f)
+/* Turns the shape shown into one that can be dragged: bones at rest, no controls. */
+static void begin_drag(face *f)
 {
     face_limit_pull(f);
     if (f->origin != &f->free)
@@ -28,7 +28,7 @@ static void show_free(face *f)
     face_show(f);
 }
 
-/* f->from, f->to, f->gain: the way with the bones at rest. */
+/* Sets f->from, f->to and f->gain: the path with the bones at rest. */
 static void carry_back(face *f, const double *from, const double *to, uint32_t count,
                        const rigid *pose)
 {
@@ -47,17 +47,17 @@ static mrt_result check_way(const face *f, const double *from, const double *to,
                             error *err)
 {
     if (count > f->control_capacity)
-        return error_set(err, MRT_ERR_ARGUMENT, "%u controls: the face has room for %u", count,
+        return error_set(err, MRT_ERR_ARGUMENT, "%u controls: the face has room for only %u", count,
                          f->control_capacity);
     for (size_t i = 0; i < (size_t)3 * count; ++i)
         if (!(fabs(from[i]) <= (double)POINTS_REACH && fabs(to[i]) <= (double)POINTS_REACH))
             return error_set(err, MRT_ERR_ARGUMENT,
-                             "control %u: its way from %g to %g is not within +-%g",
+                             "control %u: moves from %g to %g, which is not within +-%g",
                              (uint32_t)(i / 3), from[i], to[i], (double)POINTS_REACH);
     return MRT_OK;
 }
 
-/* The fields that some control is in. */
+/* Lists the fields with at least one control. */
 static uint32_t list_layers(const face *f, drag_layer *out)
 {
     uint32_t count = 0;
@@ -89,11 +89,11 @@ static mrt_result drag_free(face *f, const csrbf_settings *settings, uint32_t co
     return drag_along(&d, settings, &way, f->position, out_step, err);
 }
 
-/* ---- how far it may go ----
+/* ---- limit of a step ----
  *
- * What a step has moved is looked at on the surface itself, against the rest shape, which no field
- * knows of: its map folds nowhere, and gets finer than the mesh all the same. Tips near which too
- * much of the room before a limit is used go less far. */
+ * The result of a step is measured on the surface against the rest shape, which the fields do not
+ * know. The map of a field does not fold in space, but it can become finer than the mesh. Tips move
+ * less far if skin near them uses too much of the room before a limit. */
 
 static void note_changed(face *f)
 {
@@ -106,7 +106,7 @@ static void note_changed(face *f)
     }
 }
 
-/* Clay as the skull lets it be seen, in the blocks that are read. */
+/* Projects the dragged shape as the skull and teeth would, in the blocks that are read. */
 static const points *show_clay(const face *f, points *out, const points *from)
 {
     if (f->projection.block_count == 0)
@@ -126,7 +126,7 @@ static double yield(face *f, const csrbf_settings *settings)
     surface_limits limits = clay;
     limits.stretch = face_stretch_most(settings);
     note_changed(f);
-    memset(f->limit.is_slid, 0, f->free.block_count); /* scratch: what is read */
+    memset(f->limit.is_slid, 0, f->free.block_count); /* scratch: the blocks that are read */
     surface_meter_reads(f->surface_meter, f->limit.is_changed, f->limit.is_slid);
     const points *from = show_clay(f, &f->limit.shown_before, &f->before);
     const points *to = show_clay(f, &f->limit.shown_after, &f->free);
@@ -135,7 +135,7 @@ static double yield(face *f, const csrbf_settings *settings)
                                        f->limit.share);
 }
 
-/* The influence of a tip on a point: 1 at the tip, 0 from the radius on. */
+/* Returns the influence of a tip on a point: 1 at the tip, 0 from the radius on. */
 static double nearness(const double at[3], const double *tip, double radius)
 {
     vec3 way = {at[0] - tip[0], at[1] - tip[1], at[2] - tip[2]};
@@ -143,7 +143,8 @@ static double nearness(const double at[3], const double *tip, double radius)
     return q < 1.0 ? (1.0 - q) * (1.0 - q) : 0.0;
 }
 
-/* near: of each tip (limit.ridge: scratch). Returns that of the nearest. */
+/* Writes the influence of each tip at a point to `near` (limit.ridge, as scratch). Returns the
+ * greatest. */
 static double find_nearness(double *near, const face *f, const double at[3], double radius,
                             uint32_t count)
 {
@@ -155,7 +156,7 @@ static double find_nearness(double *near, const face *f, const double at[3], dou
     return most;
 }
 
-/* Each tip's share of the step: the least share of a vertex near it. */
+/* Sets each tip's share of the step to the least share of a vertex near it. */
 static void shorten_tips(face *f, double radius, uint32_t count)
 {
     face_limit *l = &f->limit;
@@ -173,7 +174,7 @@ static void shorten_tips(face *f, double radius, uint32_t count)
     }
 }
 
-/* The share of the step at a point: the tips' shares, weighted by their influence there. */
+/* Returns the share of the step at a point: the tips' shares, weighted by their influence there. */
 static double part_at(const face *f, const double at[3], double radius, uint32_t count)
 {
     double part = 1.0, *near = f->limit.ridge, nearest = find_nearness(near, f, at, radius, count);
@@ -184,8 +185,9 @@ static double part_at(const face *f, const double at[3], double radius, uint32_t
     return part;
 }
 
-/* f->free := what is taken of the step; all: of the whole of it, beside what tips take. */
-static void take_part(face *f, double radius, uint32_t count, double all)
+/* Sets f->free to the reduced step. all: factor of the whole step, in addition to the tips'
+ * shares. */
+static void apply_part(face *f, double radius, uint32_t count, double all)
 {
     for (uint32_t block = 0; block < f->free.block_count; ++block) {
         if (!f->limit.is_changed[block])
@@ -216,26 +218,27 @@ static void keep_step(face *f)
     }
 }
 
-/* share: the least that some vertex may take of the step. */
+/* share: the least share of the step that some vertex allows. */
 static void shorten_step(face *f, const csrbf_settings *settings, uint32_t count, double share)
 {
     double all = 1.0;
     keep_step(f);
     for (int i = 0; i < PARTS && share < 1.0; ++i) {
         shorten_tips(f, settings->radius, count);
-        take_part(f, settings->radius, count, 1.0);
+        apply_part(f, settings->radius, count, 1.0);
         share = yield(f, settings);
     }
-    for (int i = 0; i < PARTS && share < 1.0; ++i) { /* of what no tip is near enough to */
+    for (int i = 0; i < PARTS && share < 1.0;
+         ++i) { /* for vertices that no tip is near enough to */
         all *= i == 0 ? share : 0.5 * share;
-        take_part(f, settings->radius, count, all);
+        apply_part(f, settings->radius, count, all);
         share = yield(f, settings);
     }
     if (share < 1.0) {
         points_copy(&f->free, &f->before);
         all = 0.0;
     }
-    for (uint32_t k = 0; k < count; ++k) { /* strain: scratch */
+    for (uint32_t k = 0; k < count; ++k) { /* strain is used as scratch */
         double *tip = f->position + (size_t)3 * k, *from = f->from + (size_t)3 * k;
         f->limit.strain[k] = all * part_at(f, from, settings->radius, count);
         for (int i = 0; i < 3; ++i)
@@ -255,9 +258,8 @@ static void note_held_tips(face *f, uint32_t count)
     f->meter.held_back_mm = most;
 }
 
-/* After f->free has been dragged from f->before along f->from -> f->to: takes back what is too much
- * of it. f->position: where the tips are; limit.tip_share: 1 where that is where they were to be.
- */
+/* Reduces a drag of f->free from f->before along f->from -> f->to that goes too far. Sets
+ * f->position to the tips, and limit.tip_share to 1 for tips that reach their end. */
 static void limit_drag(face *f, const csrbf_settings *settings, uint32_t count,
                        const shape_step *step)
 {
@@ -273,7 +275,7 @@ static void limit_drag(face *f, const csrbf_settings *settings, uint32_t count,
     note_held_tips(f, count);
 }
 
-/* ---- a sample of it ---- */
+/* ---- one sample of a drag ---- */
 
 mrt_result face_drag(face *f, const csrbf_settings *settings, const double *from, const double *to,
                      uint32_t count, const float *dof, double *out_reached, shape_step *out_step,
@@ -289,7 +291,7 @@ mrt_result face_drag(face *f, const csrbf_settings *settings, const double *from
         return result;
     bones_pose(pose, &f->bones, resolved);
     carry_back(f, from, to, count, pose);
-    let_go(f);
+    begin_drag(f);
     face_assign(f, f->next_grip, count);
     f->control_column_count = f->shape_column_count;
     result = drag_free(f, settings, count, out_step, err);
@@ -323,7 +325,7 @@ static void ease(face *f, const points *towards, double rate_per_s, double dt_s)
 
 void face_leak(face *f, double rate_per_s, double dt_s)
 {
-    let_go(f);
+    begin_drag(f);
     ease(f, &f->base, rate_per_s, dt_s);
     show_free(f);
 }
@@ -331,7 +333,7 @@ void face_leak(face *f, double rate_per_s, double dt_s)
 void face_restore(face *f, double part)
 {
     double amount = part < 1.0 ? part / (1.0 - part) : 1e300;
-    let_go(f);
+    begin_drag(f);
     ease(f, &f->rest, amount, 1.0);
     shape_ease(&f->base, &f->rest, amount, 1.0);
     show_free(f);

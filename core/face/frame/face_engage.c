@@ -8,9 +8,9 @@ static mrt_result check_controls(const face *f, const face_control *control, uin
 {
     if (!points_are_usable(&f->shown))
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "the shape has left +-%g: reset it before engaging", (double)POINTS_REACH);
+                         "the shape has moved beyond +-%g; reset it first", (double)POINTS_REACH);
     if (count > f->control_capacity)
-        return error_set(err, MRT_ERR_ARGUMENT, "%u controls: the face has room for %u", count,
+        return error_set(err, MRT_ERR_ARGUMENT, "%u controls: the face has room for only %u", count,
                          f->control_capacity);
     for (uint32_t k = 0; k < count; ++k) {
         vec3 at = control[k].start;
@@ -20,7 +20,8 @@ static mrt_result check_controls(const face *f, const face_control *control, uin
                              "control %u: its start (%g, %g, %g) is not within +-%g", k, at.x, at.y,
                              at.z, (double)POINTS_REACH);
         if (control[k].contact > f->contact_count)
-            return error_set(err, MRT_ERR_ARGUMENT, "control %u: contact %u: the face has %u", k,
+            return error_set(err, MRT_ERR_ARGUMENT,
+                             "control %u: has contact %u, but the face has only %u", k,
                              control[k].contact, f->contact_count);
     }
     return MRT_OK;
@@ -66,7 +67,7 @@ static void scale_rows(face *f, const face_field *field)
     }
 }
 
-/* Fills the columns of the controls, and their values at the starts of all controls (cross). */
+/* Computes the columns of the controls, and their values at the starts of all controls (cross). */
 static void respond(face *f)
 {
     set_grip_positions(f);
@@ -127,7 +128,7 @@ mrt_result face_engage(face *f, const csrbf_settings *settings, const face_contr
     if (result < 0) {
         face_assign(f, f->grip, f->control_count);
         if (f->control_count > 0 && factor_fields(f, &f->settings, f->grip, NULL) < 0)
-            face_commit(f); /* cannot be: they have been factored before */
+            face_commit(f); /* cannot fail: they were factored before */
         return result;
     }
     f->control_column_count = old_columns;

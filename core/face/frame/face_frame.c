@@ -13,8 +13,9 @@ static bool jaw_is_driven(const bones *b, const float *dof)
     return !(isnan(jaw[0]) && isnan(jaw[1]) && isnan(jaw[2]));
 }
 
-/* Where the jaw alone has to bring each control that rides on it, in the frame that it rides in. */
-static void ask_of_jaw(face *f, const rigid *pose, const double *end, double *target)
+/* Computes the target of the jaw alone for each control that rides on it, in the frame of the jaw's
+ * parent. */
+static void find_jaw_targets(face *f, const rigid *pose, const double *end, double *target)
 {
     const bones *b = &f->bones;
     uint32_t parent = f->rig->bone[b->jaw].parent;
@@ -60,15 +61,15 @@ mrt_result face_resolve_dofs(face *f, float *out, const float *dof, const double
         return MRT_OK;
     rigid pose[RIG_BONES_MAX];
     bones_pose(pose, b, out);
-    ask_of_jaw(f, pose, end, f->g);
+    find_jaw_targets(f, pose, end, f->g);
     bones_derive_jaw(jaw, b, f->position, f->g, f->scratch, f->control_count);
     return MRT_OK;
 }
 
-/* ---- what the controls have to add ---- */
+/* ---- displacement by the controls ---- */
 
-/* f->position := how far each control is from its end once the bones have moved, over what its pull
- * is worth; f->turn: (sum of share_b R_b over its own bones)^-1. */
+/* Sets f->position to the distance of each control from its end after the bones have moved, divided
+ * by its mobility. Sets f->rotation to (sum of share_b R_b over its own bones)^-1. */
 static void measure_rest(face *f, const double *end, const rigid *pose)
 {
     for (uint32_t k = 0; k < f->control_count; ++k) {
@@ -90,8 +91,8 @@ static void measure_rest(face *f, const double *end, const rigid *pose)
     }
 }
 
-/* A control whose share of a bone is too small to be in its field is still moved by that field a
- * little: what these fields do at it. */
+/* Returns the displacement of a control by fields that it does not belong to. Its share of those
+ * bones is too small for their fields, but they still move it a little. */
 static vec3 stray(const face *f, uint32_t k, const rigid *pose)
 {
     vec3 sum = {0, 0, 0};
@@ -113,14 +114,14 @@ static vec3 stray(const face *f, uint32_t k, const rigid *pose)
 }
 
 /* Solves for f->g, with which each control lands on its end. The fields interact only through
- * shares below 2 % (stray), so a few sweeps of Gauss-Seidel do. */
+ * shares below 2 % (stray), so a few sweeps of Gauss-Seidel are enough. */
 static void solve_grips(face *f, const double *end, const rigid *pose)
 {
     measure_rest(f, end, pose);
     memset(f->g, 0, (size_t)3 * f->control_count * sizeof *f->g);
     for (int sweep = 0; sweep < (f->bone_count > 1 ? SWEEPS : 1); ++sweep)
         for (uint32_t k = 0; k < f->control_count; ++k) {
-            if (f->grip[k].is_dropped) /* in no field; with one bone nothing is known of it */
+            if (f->grip[k].is_dropped) /* in no field; with one bone it has no cross values */
                 continue;
             vec3 rest = {f->position[3 * k], f->position[3 * k + 1], f->position[3 * k + 2]};
             vec3 g = matrix3x3_apply(&f->rotation[k], vec3_sub(rest, stray(f, k, pose)));
@@ -128,7 +129,8 @@ static void solve_grips(face *f, const double *end, const rigid *pose)
         }
 }
 
-/* Writes the weights of the columns to next_weight, the slope bounds of the fields to out_slope. */
+/* Writes the weights of the columns to next_weight, and the greatest slope bound of the fields to
+ * out_slope. */
 static mrt_result weigh_controls(face *f, const rigid *pose, double *out_slope, error *err)
 {
     *out_slope = 0.0;
@@ -194,7 +196,7 @@ mrt_result face_pull(face *f, const double *end, const float *dof, error *err)
     return result;
 }
 
-/* Poses the bones that `dof` drives; the others are at rest. */
+/* Poses the bones that `dof` drives. The others are at rest. */
 static void pose_driven(const face *f, rigid *pose, float driven[MRT_MAX_DOFS], const float *dof)
 {
     memset(driven, 0, MRT_MAX_DOFS * sizeof *driven);

@@ -1,14 +1,14 @@
-/* Where a control holds the face: which bones move it there, and how freely it is moved. */
+/* The grip of a control: the bones that move it at its place, and its mobility there. */
 #include "face/frame/frame.h"
 
 #include <math.h>
 
-static const double share_least = 0.02;    /* of a bone, for a control to be in its field */
-static const double mobility_exact = 0.1;  /* below, a control lands short */
-static const double mobility_least = 0.01; /* below, it moves nothing */
+static const double share_least = 0.02; /* least share of a bone for a control to be in its field */
+static const double mobility_exact = 0.1;  /* below this a control lands short */
+static const double mobility_least = 0.01; /* below this it moves nothing */
 static const double riding_begins = 0.5, riding_ends = 0.9;
 
-/* The bones with the greatest shares, of those that count. */
+/* Joins the fields of the bones with the greatest shares. */
 static void join_bones(face_grip *grip, uint32_t bone_count)
 {
     for (uint32_t joined = 0; joined < FACE_BONES_PER_CONTROL; ++joined) {
@@ -55,7 +55,7 @@ double face_share_held(const face *f, const face_grip *grip)
     return sum;
 }
 
-/* Where all vertices are alike none has to be looked for. */
+/* Skips the search if all vertices are alike. */
 static uint32_t slot_at(const face *f, vec3 at, uint32_t contact)
 {
     if (contact > 0)

@@ -1,35 +1,36 @@
-/* Pulls that would fold or tear the skin are given in part only. face_limit_pull, at the end of the
- * file, is the whole of it; it goes through these steps:
+/* Limits pulls that would fold or tear the skin. face_limit_pull, at the end of the file, goes
+ * through these steps:
  *
- * 1. Strain (measure_strain). The bones pose a triangle. What the controls add has a gradient G in
- *    it, and a part s of the pulls, 0..1, maps the posed triangle by I + s G. Let m be how much G
- *    compresses the triangle (the least eigenvalue of the symmetric part of G in its plane,
- *    negated), and t how steep G is along its normal. The strain of the triangle is
+ * 1. Strain (measure_strain). The bones pose a triangle. The controls add a displacement with a
+ *    gradient G in it. A part s of the pulls, 0..1, maps the posed triangle by I + s G. Let m be
+ *    how much G compresses the triangle: the negated least eigenvalue of the symmetric part of G
+ *    in its plane. Let t be how steep G is along its normal. The strain of the triangle is
  *      s (m / M + t / T),   M < 1 and T as in strain.h.
- *    At a strain of 1 or less I + s G is positive definite in the plane of the triangle, so that it
- *    does not turn over, and its normal turns by less than atan T. The strain grows in proportion
- *    to s: 1 over the largest strain of all triangles is the part that can be given. Two things
- *    are added: an edge that becomes too long counts as strain too (measure_stretches); and where
- * the bones have tilted a triangle already less of T is left (leave_tilts), unless its area along
- *    the way says that it does not turn over (flip_strain).
- * 2. Who gives way (yield_pulls). Where the strain is above 1 the pulls near it give way to each
- *    other first: they are softened by a ridge that grows with the strain (csrbf/soften.h). What
- *    is then still too much is taken from all pulls by one factor. The result is a function of the
- *    pulls and the pose: earlier frames do not matter.
- * 3. Bends (unbend). Triangles that turn far are judged edge by edge against their neighbours, as
- *    they will be shown; pulls near an edge that is bent too far give way to it.
- * 4. A head with shapes of its own (part_shaped). Its strain is that of a fold (strain_fold), which
- *    does not grow in proportion to the pulls: the part that can be given is searched for.
- * 5. A face without a rig (unfold). Its field is one of space and can fold behind the skin, where
- *    there is no triangle: the largest part is given that keeps the determinant of the field's
+ *    At a strain of 1 or less I + s G is positive definite in the plane of the triangle. Then the
+ *    triangle does not turn over, and its normal turns by less than atan T. The strain is
+ *    proportional to s, so 1 over the largest strain of all triangles is the part that can be
+ *    given.
+ *    Two corrections follow. An edge that becomes too long also counts as strain
+ *    (measure_stretches). Where the bones have already tilted a triangle, T is smaller
+ *    (leave_tilts), unless its projected area shows that it does not turn over (flip_strain).
+ * 2. Yielding (yield_pulls). Where the strain is above 1, the pulls near it first yield to each
+ *    other. They are softened by a ridge that grows with the strain (csrbf/soften.h). If that is
+ *    not enough, one factor reduces all pulls. The result is a function of the pulls and the pose,
+ *    and does not depend on earlier frames.
+ * 3. Bends (unbend). Triangles that turn far are compared edge by edge with their neighbours, as
+ *    they will be shown. Pulls near an edge that is bent too far are reduced.
+ * 4. A head with its own shapes (part_shaped). Its strain is that of a fold (strain_fold), which is
+ *    not proportional to the pulls. So the part that can be given is found by a search.
+ * 5. A face without a rig (unfold). Its field is defined in space and can fold off the skin, where
+ *    there is no triangle. The result is the largest part that keeps the determinant of the field's
  *    map above a bound.
  * 6. The seal of the lips, and the skull and teeth under the skin, move the skin after that:
  *    face_limit_shown.c.
  *
- * To be quick, triangles are judged in groups of GROUP. How steep each column is at most in a group
- * is found once for an engagement (face_limit_engage); with the weights of the columns that is a
- * bound for the strain of the group, and only groups whose bound is above 1 are computed. What the
- * bounds leave out cannot be above 1, so they change no result.
+ * For speed, triangles are judged in groups of GROUP. face_limit_engage computes once per
+ * engagement how steep each column is at most in a group. Together with the weights of the columns
+ * this bounds the strain of the group, and only groups with a bound above 1 are measured. The other
+ * groups cannot exceed 1, so skipping them changes no result.
  *
  * face_drag.c judges a drag. */
 #include "csrbf/soften.h"
@@ -40,53 +41,53 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Where the bones alone have used up the stretch that an edge is allowed, pulls may still lengthen
- * it by this part of what was allowed: else a pull nearby would be taken back altogether. */
+/* If the bones alone have used up the stretch that an edge is allowed, pulls may still lengthen it
+ * by this part of the allowance. Otherwise a pull nearby would be cancelled completely. */
 static const float room_least = 0.05f;
 enum { SOFTENINGS = 5 };
-/* The ridge of the first softening, for each 1 by which the strain is above 1, and the factor for
- * each further one. Tips near each other need little: only where they differ do they give way. */
+/* The ridge of the first softening, per 1 of excess strain, and the factor for each further
+ * softening. Controls near each other need little: they yield only where they differ. */
 static const double softening = 0.02, softening_more = 3.0;
-/* The strain of one triangle is cut off here, so that a sliver does not outweigh the rest. */
+/* Cap of a triangle's strain, so that a sliver does not outweigh the rest. */
 static const double strain_most = 8.0;
 
-/* 1 / tan(STRAIN_SEEN_RAD). The first 17 degrees by which bones tilt skin are not counted against
- * that. */
+/* 1 / tan(STRAIN_SEEN_RAD). The first 17 degrees of tilt by bones do not count against that. */
 static const float inv_tan_seen = 0.0524078f;
 static const angle_sincos tilt_free = {.cos = 0.9563048, .sin = 0.2923717};
 
-/* Several of a head's own shapes at once may stretch an edge by this factor more than each alone.
- */
+/* Several of the head's own shapes together may stretch an edge by this factor more than each
+ * alone. */
 static const float made_stretch = 1.5f;
 
-/* If the bound of a group exceeds its limit by this factor, the group is measured; below, its
- * gradient is measured first, which is cheaper and often enough. */
+/* If a group's bound exceeds its limit by this factor, the group is measured directly. Below, its
+ * gradient is measured first, which is cheaper and often sufficient. */
 static const float excess_surely = 2.0f;
 
-/* Of part_shaped: tries, steps of bisection, and the strain that counts as 1. */
+/* For part_shaped: tries, steps of bisection, and the strain that counts as 1. */
 enum { PARTINGS = 4 };
 static const double shaped_most = 1.001;
 
 enum { UNBENDINGS = 8, BEND_YIELDS = 3, UNFOLDINGS = 16 }; /* tries */
-/* Of unfold: the least determinant of the field's map at the vertices, and its tolerance. */
+/* For unfold: the least determinant of the field's map at the vertices, and its tolerance. */
 static const double determinant_least = 0.05, determinant_rounding = 1e-4;
 
-/* What a pass looks for: triangles that are strained too much, or triangles that have turned so far
+/* Subject of a pass: triangles that are strained too much, or triangles that have turned so far
  * that their edges may be bent too far. */
 typedef enum limit_looks { AT_STRAINS = 0, AT_TURNS } limit_looks;
 
 _Static_assert(CARRIERS <= 32, "a bit for each in limit_group.bones_around");
 _Static_assert((int)POINTS_BLOCK == (int)SURFACE_BLOCK, "a surface has the blocks of its points");
 
-/* fmaxf without a call; a NaN of b counts as nothing. */
+/* fmaxf without a call; a NaN in b is ignored. */
 static inline float larger(float a, float b)
 {
     return b > a ? b : a;
 }
 
-/* ---- made ---- */
+/* ---- creation ---- */
 
-/* If two neighbours turn by no more than this each, the edge between them is not bent too far. */
+/* Measures the angle by which a triangle may turn. If two neighbours turn by at most this angle,
+ * the edge between them is not bent too far. */
 static void measure_turns(face *f)
 {
     const double pi = 3.14159265358979323846, least = 0.5 * SURFACE_CREASE_DEG - 1.0;
@@ -128,7 +129,7 @@ static void measure_still(face *f)
             f->limit.still[slot] += f->field[b].weight[slot];
 }
 
-/* The blocks of each group's corners, each once, and which vertices of them these are. */
+/* Lists the blocks of each group's corners, each once, with bits for the corner vertices. */
 static void list_blocks(face *f)
 {
     face_limit *l = &f->limit;
@@ -148,7 +149,7 @@ static void list_blocks(face *f)
     l->group[limit_group_count(f)].first_block = count;
 }
 
-/* Of each block the groups with a corner in it. */
+/* Lists for each block the groups with a corner in it. */
 static void list_groups(face *f)
 {
     face_limit *l = &f->limit;
@@ -157,7 +158,7 @@ static void list_groups(face *f)
         l->first_of[l->block[i] + 1] += 1;
     for (uint32_t block = 0; block < f->rest.block_count; ++block)
         l->first_of[block + 1] += l->first_of[block];
-    for (uint32_t group = groups; group-- > 0;) /* from behind: the counts become beginnings */
+    for (uint32_t group = groups; group-- > 0;) /* going backwards turns the counts into begins */
         for (uint32_t i = l->group[group].first_block; i < l->group[group + 1].first_block; ++i)
             l->group_of[--l->first_of[l->block[i] + 1]] = (limit_member){group, l->corners[i]};
     for (uint32_t block = 0; block < f->rest.block_count; ++block)
@@ -234,9 +235,9 @@ double face_stretch_most(const csrbf_settings *settings)
     return settings->stretch_most > 0.0 ? fmax(settings->stretch_most, 1.1) : CSRBF_STRETCH_MOST;
 }
 
-/* Leaves origin + sum in sum. */
-static void put_rows(float (*restrict row)[4], const points *origin, float sum[3][POINTS_BLOCK],
-                     uint32_t block)
+/* Writes origin + sum as rows. Also leaves it in `sum`. */
+static void write_rows(float (*restrict row)[4], const points *origin, float sum[3][POINTS_BLOCK],
+                       uint32_t block)
 {
     size_t first = (size_t)block * POINTS_BLOCK;
     const float *const at[3] = {origin ? origin->x + first : NULL,
@@ -253,20 +254,21 @@ static void put_rows(float (*restrict row)[4], const points *origin, float sum[3
     }
 }
 
-/* ---- where the skin can be strained at all ----
+/* ---- bounds: where the skin can be strained at all ----
  *
- * What the controls add has a gradient no longer than B over the origin: as long as it was when it
- * was measured last, and since then the sum over the columns of how much their weights have changed
- * by how steep each is. Bones leave some room for it (face_limit_room.c), and a group is looked at
- * only where B may be beyond that. B depends on earlier frames, the result does not. */
+ * The displacement added by the controls has a gradient of at most B over the origin. B is its
+ * length when it was last measured, plus its possible growth since then. The growth is the sum over
+ * the columns of the change of their weights times their steepness. Bones leave some room for B
+ * (face_limit_room.c), and a group is measured only if B may exceed that room. B depends on earlier
+ * frames, but the result does not. */
 
-/* Bound of the relative rounding error of a sum of so many columns. */
+/* Returns a bound of the relative rounding error of the sum of the columns. */
 static float rounding_of(const face *f)
 {
     return 4.0f * (float)(f->columns.count + 4) * 6e-8f;
 }
 
-/* The largest length of a row's gradient in the group. */
+/* Returns the largest length of a row's gradient in the group. */
 static float steepest_in(const float *row, const uint32_t *corner, const strain_shapes *of,
                          size_t count, float rounding)
 {
@@ -283,8 +285,7 @@ static float steepest_in(const float *row, const uint32_t *corner, const strain_
     return steepest;
 }
 
-/* Of an angle, given as 1 over its tangent, what is left when `less` is subtracted; given likewise.
- */
+/* Subtracts `less` from an angle. The angle and the result are given as 1 over their tangent. */
 static double angle_subtract(double of_angle, angle_sincos less)
 {
     double left = less.cos - of_angle * less.sin;
@@ -302,7 +303,7 @@ static angle_sincos angle_of_sine(double sine)
     return (angle_sincos){.cos = sqrt(1.0 - sine * sine), .sin = sine};
 }
 
-/* The sum of two angles, 90 degrees at most. */
+/* Adds two angles, with a maximum of 90 degrees. */
 static angle_sincos angle_add(angle_sincos a, angle_sincos b)
 {
     double cosine = a.cos * b.cos - a.sin * b.sin;
@@ -310,11 +311,11 @@ static angle_sincos angle_add(angle_sincos a, angle_sincos b)
                         : (angle_sincos){.cos = 0.0, .sin = 1.0};
 }
 
-/* How much a gradient strains and turns triangles of the group at most, when they have turned from
- * rest by up to `tilt`. */
+/* Returns the greatest strain and turn by a gradient of length 1, for triangles of the group that
+ * have turned from rest by up to `tilt`. */
 static float steepness_of(const limit_group *g, angle_sincos tilt)
 {
-    const double sure = 1.05; /* beside the rounding of sums: that of what is made of them */
+    const double sure = 1.05; /* margin for the rounding of values derived from sums */
     double inv_tan_tilt =
         fmax(1.0 / (double)STRAIN_TILT_MOST, angle_subtract((double)inv_tan_seen, tilt));
     double inv_tan_turn = angle_subtract((double)g->inv_tan_turn, tilt);
@@ -337,7 +338,7 @@ static float steepest_shape(const face *f, size_t column, size_t group)
     return 1.01f * sqrtf(square);
 }
 
-/* How much a gradient strains the group, and what rounding may do to it. */
+/* Computes the group's steepness and the effect of rounding. */
 static void bound_group(face *f, size_t group)
 {
     limit_group *g = &f->limit.group[group];
@@ -345,7 +346,7 @@ static void bound_group(face *f, size_t group)
     const uint32_t *corner = f->skin + 3 * GROUP * group;
     size_t count = limit_group_size(f, group);
     float rounding = 0.0f;
-    bool is_squashed = false; /* no bound is known */
+    bool is_squashed = false; /* then there is no bound */
     g->inv_tan_turn = 0.0f;
     g->tilt_cosine = 1.0f;
     for (size_t i = 0; i < count; ++i) {
@@ -353,7 +354,7 @@ static void bound_group(face *f, size_t group)
                        (double)patch->origin.normal[2][i]};
         vec3 rest = vec3_normalised(face_skin_area(&f->rest, corner + 3 * i), normal);
         double cosine = fmin(vec3_dot(rest, normal), 1.0);
-        if (cosine < 1.0 - 1e-6) /* less is rounding */
+        if (cosine < 1.0 - 1e-6) /* a smaller difference is rounding */
             g->tilt_cosine = fminf(g->tilt_cosine, fmaxf((float)cosine, 0.0f));
         g->inv_tan_turn = fmaxf(g->inv_tan_turn, patch->inv_tan_turn[i]);
         is_squashed = is_squashed || !(patch->origin.shape.inv_height[i] > 0.0f);
@@ -369,7 +370,7 @@ static void bound_group(face *f, size_t group)
     g->rounding = rounding;
 }
 
-/* The ball around a group. */
+/* Computes the ball around a group. */
 static void enclose_group(face *f, size_t group)
 {
     limit_group *g = &f->limit.group[group];
@@ -399,7 +400,7 @@ static const float *carrier_row(const face *f, uint32_t bone)
     return bone < f->bone_count && f->bones.moves[bone] ? f->field[bone].weight : NULL;
 }
 
-/* The gradient of a row at a triangle of the group. */
+/* Returns the gradient of a row at a triangle of the group. */
 static vec3 gradient_at(const float *row, const uint32_t *corner, const strain_frames *frames,
                         size_t i)
 {
@@ -446,7 +447,8 @@ static void find_shares(float *out, const float *row, const uint32_t *corner, si
             row && i < count ? (row[corner[0]] + row[corner[1]] + row[corner[2]]) / 3.0f : 0.0f;
 }
 
-/* Which bone carries the group most, and which others do. Returns where the next one begins. */
+/* Finds the bone that carries the group most, and lists the other bones. Returns the index where
+ * the list of the next group begins. */
 static uint32_t carry_group(face *f, size_t group, const strain_frames *frames)
 {
     limit_group *g = &f->limit.group[group];
@@ -507,7 +509,7 @@ void face_limit_engage(face *f)
     l->is_pose_known = false;
     for (uint32_t block = 0; block < f->rest.block_count; ++block) {
         float none[3][POINTS_BLOCK] = {{0.0f}};
-        put_rows(l->posed, f->origin, none, block);
+        write_rows(l->posed, f->origin, none, block);
     }
     for (size_t group = 0; group < groups; ++group) {
         const uint32_t *corner = f->skin + 3 * GROUP * group;
@@ -515,7 +517,8 @@ void face_limit_engage(face *f)
         const strain_corners at = limit_corners(f, group, l->posed);
         strain_frames *frames = &l->patch[group].origin, before = *frames;
         l->loops->frames(frames, &at);
-        bool is_known = memcmp(frames, &before, sizeof before) == 0; /* of the shapes, which stay */
+        bool is_known = memcmp(frames, &before, sizeof before) ==
+                        0; /* shapes keep their values if the frames are equal */
         l->shape[group] = frames->shape;
         for (size_t column = 0; column < shapes && !is_known; ++column)
             l->steepest[column * groups + group] = 0.0f;
@@ -549,7 +552,7 @@ void limit_begin_pose(face *f)
     if (l->is_begun)
         return;
     l->is_begun = true;
-    if (f->origin == &f->free) /* it changes without an engagement */
+    if (f->origin == &f->free) /* the free shape changes without an engagement */
         l->is_pose_known = false;
     bool was_at_rest = l->is_pose_known && l->is_at_rest;
     l->is_pose_known = true;
@@ -573,7 +576,8 @@ void limit_begin_pose(face *f)
     limit_rooms_pose(f);
 }
 
-/* Upper bound of the angle between the rotation of a triangle of the group and the main bone's. */
+/* Returns an upper bound of the angle between the rotations of a triangle of the group and of the
+ * main bone. */
 static angle_sincos blend_apart(face *f, const limit_group *g)
 {
     double most = 0.0;
@@ -583,7 +587,7 @@ static angle_sincos blend_apart(face *f, const limit_group *g)
     return angle_of_sine(most);
 }
 
-/* Upper bound of the norm of the change of a shape's three weights, a 3 x 3 matrix. */
+/* Returns an upper bound of the norm of the change of a shape's three weights, a 3 x 3 matrix. */
 static double size_of_change(const double *now, const double *before)
 {
     double most_row = 0.0, most_column = 0.0, column[3] = {0};
@@ -601,7 +605,7 @@ static double size_of_change(const double *now, const double *before)
     return sqrt(most_row * most_column);
 }
 
-/* Updates pull_bound to f->given, and `change` by how much that can have added to it. */
+/* Updates pull_bound to f->given. Sets `change` to its possible growth. */
 static void follow_pulls(face *f)
 {
     face_limit *l = &f->limit;
@@ -644,8 +648,8 @@ static strain_bounds bounds_now(face *f)
     return out;
 }
 
-/* By how much the bound of the pulls' gradient in the group goes beyond what it may be: above 1 it
- * allows too much strain. */
+/* Returns how far the gradient's bound in the group exceeds its limit: above 1 it allows too much
+ * strain. */
 static float excess_of(const strain_bounds *of, size_t group)
 {
     const bool is_shaped = of->shaped > 0.0f && isfinite(of->steepness[group]);
@@ -654,7 +658,8 @@ static float excess_of(const strain_bounds *of, size_t group)
     return most > 0.0f ? most / left : 0.0f;
 }
 
-/* Of a group that the bounds allow too much: whether what was measured in it before does so too. */
+/* Called for a group whose bounds allow too much. Returns whether the last measurement allows too
+ * much as well. */
 static bool may_be_strained(face *f, const strain_bounds *of, size_t group, limit_looks looks)
 {
     face_limit *l = &f->limit;
@@ -675,7 +680,7 @@ void limit_write_block(const face *f, float (*row)[4], const points *origin, uin
     float sum[3][POINTS_BLOCK] = {{0.0f}};
     if (face_reaches(&f->columns, f->columns.weights.live, block))
         columns_sum(&f->columns, sum, 0, block);
-    put_rows(row, origin, sum, block);
+    write_rows(row, origin, sum, block);
 }
 
 void limit_pose_block(face *f, uint32_t block)
@@ -698,7 +703,7 @@ void face_limit_added(const face *f, float sum[3][POINTS_BLOCK], uint32_t block)
         rows_into(sum[0] + i, sum[1] + i, sum[2] + i, row + i);
 }
 
-/* What the controls add there. */
+/* Computes the displacement by the controls in a block. */
 static void add_block(face *f, uint32_t block)
 {
     if (f->limit.is_added[block])
@@ -707,10 +712,10 @@ static void add_block(face *f, uint32_t block)
     f->limit.is_added[block] = 1;
 }
 
-/* ---- how much it is strained ---- */
+/* ---- measuring strain ---- */
 
-/* Of each triangle of the group the largest share of the stretch left to an edge that the pulls use
- * up. */
+/* Writes for each triangle of the group the largest share of the stretch left to an edge that the
+ * pulls use. */
 static void measure_stretches(float out[GROUP], const face *f, size_t group, float stretch)
 {
     const face_limit *l = &f->limit;
@@ -721,7 +726,7 @@ static void measure_stretches(float out[GROUP], const face *f, size_t group, flo
         for (size_t e = 0; e < 3; ++e) {
             size_t t = GROUP * group + i;
             longest[i][e] = stretch * l->longest[t][e];
-            if (limit_is_shaped(f)) /* its own shapes may stretch it */
+            if (limit_is_shaped(f)) /* the head's own shapes may stretch it */
                 longest[i][e] = larger(longest[i][e], made_stretch * f->shapes.longest[t][e]);
         }
     l->loops->stretches(out, &posed, &added, (const float(*)[3])longest, room_least);
@@ -735,14 +740,14 @@ double limit_near_grip(const face *f, size_t t, uint32_t control)
     return q < 1.0 ? (1.0 - q) * (1.0 - q) : 0.0;
 }
 
-/* Charges the excess strain of a triangle to the controls around it, by their distance. */
+/* Adds the excess strain of a triangle to the controls around it, weighted by distance. */
 static void strain_controls(face *f, size_t t, double strain)
 {
     for (uint32_t k = 0; k < f->control_count; ++k)
         f->limit.strain[k] = fmax(f->limit.strain[k], (strain - 1.0) * limit_near_grip(f, t, k));
 }
 
-/* patch.inv_tan_tilt_posed. */
+/* Computes patch.inv_tan_tilt_posed. */
 static void leave_tilts(face *f, size_t group)
 {
     const limit_group *g = &f->limit.group[group];
@@ -770,7 +775,7 @@ static void leave_tilts(face *f, size_t group)
             larger(patch->inv_tan_tilt_posed[i], 1.0f / STRAIN_TILT_MOST);
 }
 
-/* patch.inv_tan_turn_posed: neighbours that other bones carry have turned another way. */
+/* Computes patch.inv_tan_turn_posed. Neighbours on other bones have turned another way. */
 static void leave_turns(face *f, size_t group, const float *turn_cosine)
 {
     limit_patch *patch = &f->limit.patch[group];
@@ -835,7 +840,7 @@ void limit_turn_normals(face *f, size_t group)
                                    l->turned[l->carried[i].bone]);
 }
 
-/* strain_flip of a triangle of the group. */
+/* Returns strain_flip of a triangle of the group. */
 static float flip_strain(face *f, size_t group, size_t i)
 {
     const face_limit *l = &f->limit;
@@ -879,7 +884,7 @@ static double measure_shaped(face *f, size_t group, float stretch)
     return (double)greatest;
 }
 
-/* Strains of a posed group. Those of at most 1 are upper bounds. */
+/* Finds the strains of a posed group. Strains of at most 1 may be upper bounds. */
 static void find_strains(strain_found *out, face *f, size_t group)
 {
     face_limit *l = &f->limit;
@@ -933,7 +938,8 @@ static double measure_group(face *f, size_t group, float stretch)
     for (size_t i = 0; i < count; ++i) {
         float strain = found.strain[i], tears = found.size[i] > 1.0f ? stretched[i] : 0.0f;
         size_t t = GROUP * group + i;
-        if (strain > 1.0f && strain > found.alone[i]) /* bones have tilted it: is a fold near? */
+        if (strain > 1.0f &&
+            strain > found.alone[i]) /* tilted by bones: check whether a fold is near */
             strain = fmaxf(found.alone[i], fminf(strain, flip_strain(f, group, i)));
         strain = tears > strain ? tears : strain;
         if (strain > 1.0f) {
@@ -947,8 +953,8 @@ static double measure_group(face *f, size_t group, float stretch)
     return (double)greatest;
 }
 
-/* Returns the greatest strain of f->given, 1 at least. limit.strain gets the excess around each
- * control, limit.candidate the triangles that may be bent against their neighbours. */
+/* Returns the greatest strain of f->given. Sets limit.strain to the excess around each control, and
+ * limit.candidate to the triangles that may be bent too far against their neighbours. */
 static double measure_strain(face *f, limit_looks looks)
 {
     face_limit *l = &f->limit;
@@ -993,9 +999,9 @@ static double measure_strain(face *f, limit_looks looks)
     return greatest;
 }
 
-/* ---- what is given ---- */
+/* ---- the part that is given ---- */
 
-/* likeness: how far each two controls ride on the same bones, 0..1. */
+/* Sets likeness: how far two controls ride on the same bones, 0..1. */
 static void compare_controls(face *f)
 {
     face_limit *l = &f->limit;
@@ -1016,7 +1022,7 @@ static void compare_controls(face *f)
     }
 }
 
-/* limit.asked := the weights of the controls' columns with the bones at rest. */
+/* Sets limit.asked to the weights of the controls' columns, with the bones at rest. */
 static void find_asked(face *f)
 {
     memset(f->limit.asked, 0, (size_t)3 * f->control_count * sizeof *f->limit.asked);
@@ -1087,8 +1093,8 @@ static void give_part(face *f, double part)
 }
 
 /* Scales f->given on a head with shapes until no skin is strained too much. 1 / strain is exact for
- * other heads and mostly good enough here at the second try; else bisection finds a factor above 0.
- */
+ * other heads, and here usually good enough at the second try. Otherwise bisection finds a factor
+ * above 0. */
 static void part_shaped(face *f)
 {
     double strain = measure_strain(f, AT_STRAINS), low = 0.0, high = 1.0, part = 1.0;
@@ -1110,7 +1116,8 @@ static void part_shaped(face *f)
     give_part(f, low / part);
 }
 
-/* Softens the pulls where they strain the skin. Returns the factor for all that is still needed. */
+/* Softens the pulls where they strain the skin. Returns the factor for all pulls that is still
+ * needed. */
 static double yield_pulls(face *f, double strain)
 {
     face_limit *l = &f->limit;
@@ -1133,8 +1140,8 @@ static double yield_pulls(face *f, double strain)
     return strain > 1.0 ? (isfinite(strain) ? 1.0 / strain : 0.0) : 1.0;
 }
 
-/* The vertices around the candidates: as posed in shown_before, and with so much of what the
- * controls add in shown_after. */
+/* Poses the vertices around the candidates: by the bones alone in shown_before, and with this part
+ * of the controls' displacement in shown_after. */
 static void pose_candidates(face *f, float part)
 {
     face_limit *l = &f->limit;
@@ -1175,8 +1182,8 @@ static void find_candidates(face *f)
     }
 }
 
-/* How far the candidates' edges are bent, over what they may be, with that share of what the
- * controls add. */
+/* Returns the greatest bend of the candidates' edges over its limit, with that part of the
+ * controls' displacement. */
 static double bend_of_part(face *f, double part)
 {
     face_limit *l = &f->limit;
@@ -1187,7 +1194,7 @@ static double bend_of_part(face *f, double part)
                               points_streams(&l->shown_after, after));
 }
 
-/* Returns a share of what the controls add with which no candidate is bent too far. */
+/* Returns a part of the controls' displacement with which no candidate is bent too far. */
 static double part_unbent(face *f)
 {
     double low = 0.0, high = 1.0;
@@ -1230,8 +1237,8 @@ static void yield_to_bends(face *f, double part)
         l->g[i] *= l->tip_share[i / 3];
 }
 
-/* Judges the candidates edge by edge. The pulls near edges that are bent too far are reduced; what
- * is then still needed is a factor for all. Takes and returns the share of f->given to apply. */
+/* Judges the candidates edge by edge and reduces the pulls near edges that are bent too far. Takes
+ * and returns the part of f->given to apply; the returned part corrects the rest. */
 static double unbend(face *f, double part)
 {
     find_candidates(f);
@@ -1251,8 +1258,7 @@ static double unbend(face *f, double part)
     return part_unbent(f);
 }
 
-/* As face_min_determinant, beyond the least that there may be, of so much of limit.centre, which is
- * given then. */
+/* Gives this part of limit.centre. Returns face_min_determinant minus its least allowed value. */
 static double room_of_part(face *f, double part)
 {
     for (size_t i = 0; i < (size_t)3 * f->control_count; ++i)
@@ -1261,13 +1267,12 @@ static double room_of_part(face *f, double part)
     return face_min_determinant(f) - determinant_least;
 }
 
-/* Without a rig the field is one of space, and can fold off the skin, where no triangle shows it:
- * reduces the pulls until it does not. The root is found by the Illinois variant of false position.
- */
+/* Reduces the pulls of a face without a rig. Its field is defined in space and can fold off the
+ * skin, where no triangle shows it. Finds the root by the Illinois variant of false position. */
 static void unfold(face *f)
 {
     const double slope_safe =
-        1.0 - cbrt(determinant_least); /* (1 - slope)^3 bounds it from below */
+        1.0 - cbrt(determinant_least); /* (1 - slope)^3 is a lower bound of the determinant */
     face_limit *l = &f->limit;
     if (f->rig || f->meter.slope_bound <= slope_safe)
         return;
@@ -1299,7 +1304,7 @@ static void limit_pulls(face *f)
     f->is_given = true;
     for (uint32_t i = 0; i < f->shapes.count; ++i)
         f->shapes.given[i] = 1.0;
-    if (f->origin == &f->free) /* what a drag has held back stands */
+    if (f->origin == &f->free) /* keep the result of the drag's own limit */
         return;
     f->meter.held_back_mm = 0.0;
     bool moves = f->control_count > 0 || face_shapes_weigh_something(f);

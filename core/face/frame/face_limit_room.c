@@ -1,35 +1,38 @@
-/* What the bones leave of the room for pulls, as a bound for each group of triangles.
+/* Computes how much room the bones leave for pulls, as a bound for each group of triangles.
  *
- * Seen from the bone that carries most of a group, its main bone, a pose maps the group by
+ * The main bone of a group is the bone that carries most of it. Relative to that bone, a pose maps
+ * the group by
  *   A = B + sum_b u_b g_b^T + E,   B = I + sum_b w_b (R_b - I),
- * over the other bones that carry it: w_b the share of one, g_b its gradient, M_b = (R_b, t_b) its
- * motion seen from the main bone, and u_b = M_b x - x. E: shares differ within a triangle.
- * With d_b the length of R_b - I, B turns a vector by w_b d_b in sum at most; and as the shares add
- * up to 1 it leaves of a unit vector
+ * summed over the other bones that carry it. w_b is the share of a bone, g_b the gradient of the
+ * share, M_b = (R_b, t_b) its motion relative to the main bone, and u_b = M_b x - x. E covers the
+ * differences of shares within a triangle.
+ * Let d_b be the norm of R_b - I. B turns a vector by at most the sum of w_b d_b. As the shares add
+ * up to 1, B leaves of a unit vector
  *   |B x|^2 = 1 - sum_{b<c} w_b w_c |R_b x - R_c x|^2,   |R_b x - R_c x| <= d_b + d_c,
  * which is close to 1: blending rotations shrinks by the square of their angle. The steepest u g^T
- * counts with its direction, so that stretching is not counted as squeezing; the others and E count
- * by their length. From that strain_rooms bounds how much A shrinks a vector, and how far it tilts
- * a triangle; so a gradient over the origin is bounded in the posed skin. */
+ * counts with its direction, so that stretching does not count as squeezing. The others and E count
+ * by their norm. From this strain_rooms bounds how much A shrinks a vector, and how far it tilts a
+ * triangle. So a gradient over the origin is bounded in the posed skin. */
 #include "face/frame/limit.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* The entries of strain_blends that belong to one pair of bones. */
+/* The entries of strain_blends that belong to a pair of bones. They begin at the end of the pair
+ * before. */
 typedef struct limit_pair {
-    uint32_t main_bone, bone, end; /* from the end of the pair before */
+    uint32_t main_bone, bone, end; /* end index */
 } limit_pair;
 
 typedef struct limit_rooms {
     strain_blends blend;
     strain_rooms of;
     float *room;                    /* of each group */
-    uint32_t *group;                /* of each entry */
+    uint32_t *group;                /* group of each entry */
     float *share, *spread;          /* of each entry: limit_carried */
     float *shares, *total;          /* of each group: sums over its entries, see add_blends */
-    uint32_t *beside, beside_count; /* groups with neighbours that other bones carry most */
+    uint32_t *beside, beside_count; /* groups with neighbours that have another main bone */
     limit_pair *pair;
     uint32_t pair_count;
     bool is_known; /* in this pose */
@@ -66,7 +69,7 @@ mrt_result limit_rooms_create(face *f, error *err)
 
 /* ---- an engagement ---- */
 
-static void put_entry(limit_rooms *r, uint32_t at, uint32_t group, const limit_group *g,
+static void set_entry(limit_rooms *r, uint32_t at, uint32_t group, const limit_group *g,
                       const limit_carried *c)
 {
     float square = 0.0f;
@@ -83,7 +86,7 @@ static void put_entry(limit_rooms *r, uint32_t at, uint32_t group, const limit_g
     r->group[at] = group;
 }
 
-/* Of the groups that `main_bone` carries most those that `bone` carries too. */
+/* Lists the groups with this main bone that `bone` carries, too. Returns the new end. */
 static uint32_t list_pair(face *f, uint32_t main_bone, uint32_t bone, uint32_t at)
 {
     const face_limit *l = &f->limit;
@@ -93,7 +96,7 @@ static uint32_t list_pair(face *f, uint32_t main_bone, uint32_t bone, uint32_t a
             continue;
         for (uint32_t i = g->first_carried; i < g[1].first_carried; ++i)
             if (l->carried[i].bone == bone)
-                put_entry(l->rooms, at++, group, g, &l->carried[i]);
+                set_entry(l->rooms, at++, group, g, &l->carried[i]);
     }
     return at;
 }
@@ -168,8 +171,8 @@ angle_sincos limit_half_apart(face *f, const limit_group *g)
     return (angle_sincos){.cos = sqrt(1.0 - sine * sine), .sin = sine};
 }
 
-/* Sums what the bone of a pair does to its groups. of.unlike gets sum w d^2, of.lost the others'
- * |u| |g| too. */
+/* Adds the effect of a pair's bone to its groups. of.unlike becomes sum w d^2; of.lost includes |u|
+ * |g| of all but the steepest blend. */
 static void add_blends(limit_rooms *r, uint32_t first, uint32_t end, float turn)
 {
     for (uint32_t i = first; i < end; ++i) {
@@ -190,8 +193,8 @@ static void add_blends(limit_rooms *r, uint32_t first, uint32_t end, float turn)
     }
 }
 
-/* Of sum_{b<c} w_b w_c (d_b + d_c)^2, the main bone (d = 0, w <= 1) being one of them, add_blends
- * has added up the pairs with the main bone. */
+/* Completes sum_{b<c} w_b w_c (d_b + d_c)^2, where the main bone (d = 0, w <= 1) is one of the
+ * bones. add_blends has already summed the pairs with the main bone. */
 static void add_cross_terms(limit_rooms *r, size_t groups)
 {
     float *restrict unlike = r->of.unlike;

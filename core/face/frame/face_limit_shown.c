@@ -1,5 +1,5 @@
-/* The seal of the lips (face_lips.c) and the skull and teeth under the skin (projection.h) move
- * skin after the pulls. This file judges the result. Where the seal folds skin or bends an edge too
+/* Limits the motion of skin after the pulls: by the seal of the lips (face_lips.c), and by the
+ * skull and teeth under the skin (projection.h). Where the seal folds skin or bends an edge too
  * far, less of it is applied. Where lips that only touch, the skull or teeth do so, pulls are
  * reduced: first the pulls near that skin, then all. */
 #include "face/frame/limit.h"
@@ -33,7 +33,8 @@ static float see_group(face *f, size_t group, const float (*row)[4])
     return least;
 }
 
-/* Whether an edge of a candidate is bent too far in row_after, and further than in row_before. */
+/* Returns true if an edge of a candidate is bent too far in row_after, and further than in
+ * row_before. */
 static bool candidates_are_bent(face *f, const float (*row_before)[4], const float (*row_after)[4])
 {
     face_limit *l = &f->limit;
@@ -54,8 +55,8 @@ static bool candidates_are_bent(face *f, const float (*row_before)[4], const flo
 
 /* ---- reducing the pulls ---- */
 
-/* limit.tip_share: how near each control is to the groups in limit.harmed, 0..1, the nearest one 1.
- * shapes.strain: how much each shape acts there. */
+/* Sets limit.tip_share to how near each control is to the groups in limit.harmed, 0..1; the nearest
+ * has 1. Sets shapes.strain to how much each shape acts there. */
 static void find_harmed_controls(face *f)
 {
     face_limit *l = &f->limit;
@@ -73,8 +74,8 @@ static void find_harmed_controls(face *f)
     }
 }
 
-/* Reduces the pulls limit.centre and the shapes limit.shaped. less 0: by nothing; 1: by tip_share
- * and shape_share; 2: to nothing. Linear in between. */
+/* Reduces the pulls limit.centre and the shapes limit.shaped. less 0: not at all; 1: by tip_share
+ * and shape_share; 2: to 0. Linear in between. */
 static void give_less(face *f, double less)
 {
     face_limit *l = &f->limit;
@@ -86,8 +87,9 @@ static void give_less(face *f, double less)
     limit_give(f);
 }
 
-/* Reduces the pulls until `harms` is false of f->given, no further than necessary. Each call of
- * `harms` leaves the shape of f->given. Returns false and changes nothing if even no pulls harm. */
+/* Reduces the pulls until `harms` returns false for f->given, no further than necessary. Each call
+ * of `harms` leaves the shape of f->given. Returns false, without a change, if `harms` is true even
+ * without pulls. */
 static bool yield_to(face *f, bool (*harms)(face *f))
 {
     face_limit *l = &f->limit;
@@ -130,7 +132,7 @@ static bool yield_to(face *f, bool (*harms)(face *f))
 static const float lips_rounding = 1e-4f; /* of an area */
 static const double yield_reach = 0.2;    /* of the width of the mouth */
 
-/* lips.bare: the skin in reach of the seal, moved by bones and pulls alone. */
+/* Computes lips.bare: the skin in reach of the seal, moved by bones and pulls alone. */
 static void find_bare_lips(face *f)
 {
     columns_weigh(&f->columns, f->given, f->columns.count);
@@ -138,7 +140,7 @@ static void find_bare_lips(face *f)
         limit_write_block(f, f->lips.bare, f->origin, f->lips.block[i]);
 }
 
-/* lips.sealed: the same with the seal. */
+/* Computes lips.sealed: the same with the seal. */
 static void find_sealed_lips(face *f)
 {
     const face_lips *l = &f->lips;
@@ -156,8 +158,8 @@ static void find_sealed_lips(face *f)
     }
 }
 
-/* Whether the seal folds a triangle in lips.group i, or bends an edge too far, which bones and
- * pulls alone do not. */
+/* Returns true if the seal folds a triangle in lips.group i, or bends an edge too far, and bones
+ * and pulls alone do not. */
 static bool is_harmed_by_lips(face *f, uint32_t i)
 {
     const float(*bare)[4] = (const float(*)[4])f->lips.bare;
@@ -170,7 +172,7 @@ static bool is_harmed_by_lips(face *f, uint32_t i)
            least < fminf(see_group(f, group, bare), STRAIN_FOLD_ROOM) - lips_rounding;
 }
 
-/* Whether the bounds of the gradients of pulls and seal allow that. */
+/* Returns true if the bounds of the gradients of pulls and seal allow such harm. */
 static bool may_lips_harm(face *f, uint32_t i)
 {
     const face_lips *l = &f->lips;
@@ -184,7 +186,7 @@ static bool may_lips_harm(face *f, uint32_t i)
            !(most < limit_room(f, l->group[i]));
 }
 
-/* Whether the seal at that strength harms skin. */
+/* Returns true if the seal at that strength harms skin. */
 static bool lips_harm(face *f, double strength)
 {
     const face_lips *l = &f->lips;
@@ -199,7 +201,7 @@ static bool lips_harm(face *f, double strength)
     return false;
 }
 
-/* lips.near: how near each station is to skin that the seal harms, 0..1. */
+/* Computes lips.near: how near each station is to skin that the seal harms, 0..1. */
 static void find_harmed_stations(face *f)
 {
     face_lips *l = &f->lips;
@@ -217,7 +219,7 @@ static void find_harmed_stations(face *f)
     }
 }
 
-/* limit.harmed: the groups that the current seal harms. */
+/* Sets limit.harmed to the groups that the current seal harms. */
 static void list_harmed_by_lips(face *f)
 {
     f->limit.harmed_count = 0;
@@ -232,7 +234,8 @@ static bool touching_lips_harm(face *f)
     return lips_harm(f, 0.0);
 }
 
-/* *share := the greatest value with which the seal harms nothing; 0 and false: it always does. */
+/* Sets *share to the greatest value with which the seal harms nothing. Returns false, with 0, if it
+ * always does. */
 static bool find_share(face *f, double *share)
 {
     double low = 0.0, high = 1.0;
@@ -272,10 +275,10 @@ void limit_lips(face *f)
 
 /* ---- skull and teeth ---- */
 
-static const float slid_least = 0.02f; /* of its area at rest, that a triangle keeps */
+static const float slid_least = 0.02f; /* least share of its area at rest that a triangle keeps */
 
-/* Copies a block of f->shown to limit.slid, once for each judgement. */
-static void take_slid_block(face *f, uint32_t block)
+/* Copies a block of f->shown to limit.slid, once per judgement. */
+static void copy_slid_block(face *f, uint32_t block)
 {
     const size_t first = (size_t)block * POINTS_BLOCK;
     if (f->limit.is_slid[block])
@@ -289,14 +292,14 @@ static void take_slid_block(face *f, uint32_t block)
     }
 }
 
-/* Whether the group is folded in f->shown, or bent too far and further than the bones alone bend
- * it. */
+/* Returns true if the group is folded in f->shown, or bent too far and further than by the bones
+ * alone. */
 static bool is_harmed_as_shown(face *f, size_t group)
 {
     face_limit *l = &f->limit;
     const limit_group *g = &l->group[group];
     for (uint32_t i = g->first_block; i < g[1].first_block; ++i)
-        take_slid_block(f, l->block[i]);
+        copy_slid_block(f, l->block[i]);
     if (see_group(f, group, (const float(*)[4])l->slid) < slid_least)
         return true;
     if (l->candidate_count == 0 || limit_is_shaped(f))
@@ -307,7 +310,7 @@ static bool is_harmed_as_shown(face *f, size_t group)
         if (!surface_meter_around(f->surface_meter, l->candidate[i], around))
             continue;
         for (int k = 0; k < 6; ++k) {
-            take_slid_block(f, around[k] / POINTS_BLOCK);
+            copy_slid_block(f, around[k] / POINTS_BLOCK);
             limit_pose_block(f, around[k] / POINTS_BLOCK);
         }
     }
@@ -315,7 +318,7 @@ static bool is_harmed_as_shown(face *f, size_t group)
     return candidates_are_bent(f, (const float(*)[4])l->posed, (const float(*)[4])l->slid);
 }
 
-/* limit.is_marked: the groups of which skull or teeth have pushed a vertex. */
+/* Sets limit.is_marked for the groups with a vertex that skull or teeth have pushed. */
 static void mark_pushed(face *f, const uint64_t *pushed)
 {
     face_limit *l = &f->limit;
@@ -325,7 +328,8 @@ static void mark_pushed(face *f, const uint64_t *pushed)
             l->is_marked[l->group_of[i].group] |= (l->group_of[i].corners & pushed[block]) != 0;
 }
 
-/* limit.harmed: the pushed groups that are folded or bent too far. */
+/* Sets limit.harmed to the pushed groups that are folded or bent too far. Returns true if there are
+ * any. */
 static bool slid_skin_is_harmed(face *f)
 {
     face_limit *l = &f->limit;

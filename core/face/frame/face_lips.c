@@ -1,15 +1,15 @@
-/* The seal of the lips. The rims of the mouth's slit (bind_lips) are a row of stations, each a
- * point of the upper rim and one of the lower. In each frame, once bones and pulls have moved the
+/* The seal of the lips. The rims of the mouth's slit (bind_lips) are a row of stations, each with a
+ * point of the upper rim and one of the lower. In each frame, after bones and pulls have moved the
  * rims:
- * 1. lips.seal closes them: at a station that is sealed by s, 0..1, the lower point comes closer to
- * the upper one by s of what lies between them. Stations are sealed one after the other, from the
- * corners of the mouth inwards or from its middle.
- * 2. Where a rim has still crossed the other one it is put back, upwards or downwards, so that they
- * touch. Rims are compared where they face each other now, also after the jaw has gone aside. Both
- * lips share that way (rig_mouth.upper_share): each has a field of its own over the rest shape,
- * whose control vectors are the stations of its rim, factored once; surface distances keep it on
- * its lip. It is found anew in each frame, like what the projection does, and is no part of the
- * columns or of what is baked. At rest nothing moves. */
+ * 1. lips.seal closes them. At a station that is sealed by s, 0..1, the lower point moves towards
+ *    the upper one by s times their distance. Stations are sealed one after the other, from the
+ *    corners of the mouth inwards or from its middle outwards.
+ * 2. Where a rim has still crossed the other one, it is moved back up or down, so that they touch.
+ *    Rims are compared where they face each other now, also after the jaw has moved aside.
+ * Both lips share that motion (rig_mouth.upper_share). Each lip has its own field over the rest
+ * shape, with the stations of its rim as control vectors, factored once. Surface distances keep the
+ * field on its lip. Each frame computes the seal again, as it does the projection. The seal is not
+ * part of the columns or of a baked shape. At rest nothing moves. */
 #include "face/frame/frame.h"
 #include "face/frame/strain.h"
 
@@ -17,17 +17,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The radius of the fields, over the width of the mouth. */
+/* Radius of the fields, over the width of the mouth. */
 static const double reach_of_width = 0.36;
-/* The mobility from which on skin follows its rim wholly; and responses that are left out. */
+/* The mobility from which skin follows its rim fully, and the size below which responses are
+ * dropped. */
 static const float free_from = 0.6f, response_least = 2e-4f;
-/* Of half the slit: how long the front is that closes. */
+/* Length of the closing front, over half the slit. */
 static const double zip_width = 1.0;
-/* Teeth push rims after they are kept apart. Repeats both, until the rims cross by less than this.
- */
+/* Teeth push rims after the rims are kept apart. Both steps repeat until the rims cross by less
+ * than this. */
 enum { PARTINGS = 6 };
 static const double crossed_most_mm = 0.02, pushed_least_mm = 1e-6;
-enum { FACING = 4 }; /* stations to either side among which the facing one is looked for */
+enum { FACING = 4 }; /* stations to either side in which the facing one is searched */
 
 static double clamp01(double t)
 {
@@ -40,9 +41,9 @@ static double smooth(double t)
     return t * t * (3.0 - 2.0 * t);
 }
 
-/* ---- created ---- */
+/* ---- creation ---- */
 
-/* Where a station of the upper rim (0) or the lower one (1) is at rest. */
+/* Returns the position at rest of a station of the upper rim (0) or the lower one (1). */
 static vec3 rest_of(const face *f, uint32_t station, uint32_t rim)
 {
     const face_lips *l = &f->lips;
@@ -52,7 +53,7 @@ static vec3 rest_of(const face *f, uint32_t station, uint32_t rim)
                     vec3_scale(points_position(&f->rest, slot[1]), along));
 }
 
-static void take_stations(face *f)
+static void copy_stations(face *f)
 {
     const bind_lips *from = &f->binding.lips;
     face_lips *l = &f->lips;
@@ -142,11 +143,11 @@ static void list_reached(face *f)
     }
 }
 
-/* The blocks of all corners of these groups, and of the triangles beside them. */
+/* Lists the blocks of all corners of these groups, and of the neighbouring triangles. */
 static void list_blocks(face *f)
 {
     face_lips *l = &f->lips;
-    uint32_t *const is_listed = l->block; /* first as flags */
+    uint32_t *const is_listed = l->block; /* used as flags first */
     for (uint32_t i = 0; i < l->group_count; ++i) {
         uint32_t first = STRAIN_GROUP * l->group[i], end = first + STRAIN_GROUP, around[6];
         for (uint32_t t = first; t < end && t < f->skin_count; ++t) {
@@ -162,8 +163,8 @@ static void list_blocks(face *f)
             l->block[l->block_count++] = block;
 }
 
-/* Gradients of sums: neighbouring stations go nearly the same way, and each column alone is steep.
- */
+/* Measures gradients of sums of columns. Each column alone is steep, but neighbouring stations move
+ * nearly the same way. */
 static mrt_result measure_steepness(face *f, error *err)
 {
     face_lips *l = &f->lips;
@@ -240,7 +241,7 @@ mrt_result face_lips_create(face *f, error *err)
         return result;
     memset(columns_row(&l->columns, 0), 0, count * l->columns.stride * sizeof(float));
     l->count = count;
-    take_stations(f);
+    copy_stations(f);
     result = add_lip(f, 0, f->rig->mouth.upper_share, from->of_upper, err);
     if (result >= 0)
         result = add_lip(f, 1, f->rig->mouth.upper_share - 1.0, from->of_lower, err);
@@ -268,7 +269,7 @@ void face_lips_engage(face *f)
     }
 }
 
-/* Where f->given and the pose bring the ends of the stations' edges. */
+/* Computes the ends of the stations' edges from f->given and the pose. */
 static void place_rims(face *f)
 {
     face_lips *l = &f->lips;
@@ -293,8 +294,8 @@ static void place_rims(face *f)
     }
 }
 
-/* l->upper, l->lower: the rims, moved by the corrections and then by skull and teeth. Returns
- * whether skull or teeth moved them. */
+/* Computes l->upper and l->lower: the rims moved by the corrections, then by skull and teeth.
+ * Returns true if skull or teeth moved them. */
 static bool find_rims(face *f)
 {
     face_lips *l = &f->lips;
@@ -316,7 +317,7 @@ static bool find_rims(face *f)
     return is_pushed;
 }
 
-/* How far a station is sealed, 0..1. */
+/* Returns how far a station is sealed, 0..1. */
 static double sealed_at(const face *f, uint32_t station, double seal)
 {
     double late = f->lips.from_corner[station];
@@ -325,7 +326,7 @@ static double sealed_at(const face *f, uint32_t station, double seal)
     return smooth((seal * (1.0 + zip_width) - late) / zip_width);
 }
 
-/* The seal alone, and lips that stick to each other. */
+/* Computes corrections for the seal, and for lips that stick to each other. */
 static void close_lips(face *f, double seal, vec3 up)
 {
     face_lips *l = &f->lips;
@@ -341,7 +342,8 @@ static void close_lips(face *f, double seal, vec3 up)
     }
 }
 
-/* How far, along `up`, the rim `other` is at the place of `at`; looked for around station i. */
+/* Finds the height along `up` of the rim `other` at the place of `at`. Searches around station i.
+ * Returns false if no edge is there. */
 static bool facing_height(double *out, const double *other, uint32_t count, uint32_t i, vec3 at,
                           vec3 across, vec3 up)
 {
@@ -349,7 +351,7 @@ static bool facing_height(double *out, const double *other, uint32_t count, uint
     uint32_t first = i > FACING ? i - FACING : 0,
              last = i + FACING < count ? i + FACING : count - 1;
     for (uint32_t way = 0; way < FACING; ++way) {
-        /* the edge before and the edge behind, further and further away */
+        /* the edges before and after, further and further away */
         const uint32_t edge[2] = {i > way ? i - way - 1 : count, i + way};
         for (int k = 0; k < 2; ++k) {
             if (edge[k] < first || edge[k] >= last)
@@ -366,7 +368,8 @@ static bool facing_height(double *out, const double *other, uint32_t count, uint
     return false;
 }
 
-/* Rims that have crossed touch. Returns by how much they had crossed at most. */
+/* Moves rims that have crossed back until they touch. Returns the greatest depth of the
+ * crossing. */
 static double keep_apart(face *f, vec3 across, vec3 up)
 {
     face_lips *l = &f->lips;

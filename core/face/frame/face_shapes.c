@@ -1,20 +1,21 @@
 /* The head's own shapes (morph targets of its file) answer a pull before the fields do.
  *
- * Learnt at load. For each shape the degrees of freedom theta_k are found with which the bones come
- * closest to it, where a bone alone carries the face. The rest of the shape, S_k, is stored in the
- * frame of the bones, so that theta_k and weight 1 give the shape as it was made. S_k is 0 on rigid
- * parts, and is smoothed where the shape alone would fold the skin.
- * Each frame. y: the displacements that the controls ask for, with the bones at rest.
+ * At load each shape is analysed. theta_k are the degrees of freedom with which the bones come
+ * closest to the shape, measured where a bone alone carries the face. The rest of the shape, S_k,
+ * is stored in the frame of the bones, so that theta_k and weight 1 give the original shape. S_k is
+ * 0 on rigid parts, and is smoothed where the shape alone would fold the skin.
+ * In each frame let y be the displacements that the controls need, with the bones at rest:
  *   min |A w - y|^2 + sum_k ridge_k w_k^2 + few_k w_k,   0 <= w_k <= high_k
- * A: the shapes at the controls. ridge_k = 3 C (lambda_k e_k)^2, with e_k the root mean square of a
- * shape over the skin, keeps shapes small that the controls hardly determine. (Lewis and Anjyo,
- * Direct Manipulation Blendshapes, 2010, with bounds; lambda_k is larger the less a shape moves the
- * controls.) The shape that is a bone's motion more than any other follows that bone: its weight is
- * how far the bone has gone along theta_k. Others with a part in theta get no larger weight than
- * their bones allow. A bone that is not driven, and that shapes move, is posed by the weights. The
- * residual at the controls that a shape moves says how far the shape is trusted. As far as shapes
- * are not trusted, the jaw is where the controls on it alone would bring it.
- * The fields do what is left of y, so that each control lands on its end. */
+ * A holds the shapes at the controls, C is the number of controls. ridge_k = 3 C (lambda_k e_k)^2,
+ * with e_k the root mean square of a shape over the skin. It keeps shapes small that the controls
+ * hardly determine. (Lewis and Anjyo, Direct Manipulation Blendshapes, 2010, with bounds; lambda_k
+ * is larger the less a shape moves the controls.)
+ * For each motion of a bone, the shape that is closest to it follows the bone: its weight is how
+ * far the bone has moved along theta_k. Other shapes with a part in theta get no larger weight than
+ * their bones allow. A bone that is not driven, and that shapes move, is posed by the weights.
+ * The residual at the controls that a shape moves determines how far the shape is trusted. The less
+ * the shapes are trusted, the more the jaw is posed by its controls alone.
+ * The fields do the rest of y, so that each control lands on its end. */
 #include "face/frame/frame.h"
 #include "face/frame/shape_solve.h"
 #include "face/frame/strain.h"
@@ -26,31 +27,32 @@
 
 enum { STILL = RIG_BONES_MAX, CARRIERS };
 enum { FIT_POINTS = 256, FIT_STEPS = 12, EASINGS = 60, NOT_KNOWN = UINT32_MAX };
-static const double least_mm = 0.05;     /* of a shape that does something */
-static const double bone_least_mm = 0.3; /* of what a bone does of a shape */
-static const double bone_explains = 0.6; /* of the square of what it carries, at least; */
-static const double bone_part = 0.25;    /* and of the whole shape's */
-static const double alike = 0.5;         /* cosine: two shapes go the same way of a bone */
-static const double carried = 0.9;       /* weight of what a bone carries nearly alone */
-static const float strain_most = 0.6f;   /* of a shape alone; above 1 it may fold */
+static const double least_mm = 0.05;     /* least size of a shape that is used */
+static const double bone_least_mm = 0.3; /* least motion of bones in a shape */
+static const double bone_explains =
+    0.6; /* least part of the square of its vertices' motion that a bone must explain; */
+static const double bone_part = 0.25; /* and least part of the whole shape's */
+static const double alike = 0.5;      /* cosine from which two shapes move a bone the same way */
+static const double carried = 0.9; /* least weight of a vertex that a bone carries nearly alone */
+static const float strain_most = 0.6f; /* for a shape alone; above 1 it may fold */
 static const double ridge_blind = 0.05, ridge_seeing = 0.02; /* lambda_k */
 static const double few_mm = 0.02;
-/* The residual, as a share of the squared displacements of the controls that a shape moves, up to
- * which it is trusted wholly, and from which it is not at all. trusted_alone: of a single control,
- * whose displacement many shapes could explain. */
+/* Residual as a share of the squared displacements of the controls that a shape moves. Up to
+ * trusted_from the shape is fully trusted, from trusted_to not at all. trusted_alone replaces
+ * trusted_to for a single control, whose displacement many shapes could explain. */
 static const double trusted_from = 0.005, trusted_to = 0.15, trusted_alone = 0.01;
 static const uint64_t bytes_most = UINT64_C(1) << 30;
 
-/* ---- made ---- */
+/* ---- analysis of the shapes ---- */
 
 typedef struct learning {
-    arrays arrays; /* those below */
+    arrays arrays; /* owner of the arrays below */
     face *f;
     const mesh *m;
-    float (*row)[4], (*posed)[4], (*change)[4]; /* padded_count: of the shape at hand */
-    float (*normal)[3];             /* of the skin: at rest, as the bones of the shape turn it */
+    float (*row)[4], (*posed)[4], (*change)[4]; /* padded_count: of the current shape */
+    float (*normal)[3];             /* of the skin: at rest, turned by the bones of the shape */
     uint32_t *triangle;             /* skin_count */
-    uint32_t *point[RIG_BONES_MAX]; /* slots that a bone carries, FIT_POINTS at most */
+    uint32_t *point[RIG_BONES_MAX]; /* slots that a bone carries, at most FIT_POINTS */
     uint32_t points[RIG_BONES_MAX];
 } learning;
 
@@ -72,8 +74,8 @@ static float weight_of(const face *f, uint32_t carrier, size_t slot)
     return sum;
 }
 
-/* Samples the vertices that the bone carries nearly alone: rigid ones if there are any, else skin.
- */
+/* Samples the vertices that the bone carries nearly alone: rigid ones if there are any, else
+ * skin. */
 static void choose_points(learning *l, uint32_t bone)
 {
     const face *f = l->f;
@@ -110,9 +112,10 @@ static vec3 row_of(const learning *l, size_t slot)
     return (vec3){(double)row[0], (double)row[1], (double)row[2]};
 }
 
-/* ---- what the bones do of a shape ---- */
+/* ---- the part of a shape that bones do ---- */
 
-/* The sum of squares of the residual of the shape at the bone's points. out: the residual. */
+/* Returns the sum of squares of the residual of the shape at the bone's points. out: the
+ * residuals. */
 static double left_over(const learning *l, uint32_t bone, const float *dof, vec3 *out)
 {
     rigid pose[RIG_BONES_MAX];
@@ -129,7 +132,8 @@ static double left_over(const learning *l, uint32_t bone, const float *dof, vec3
     return sum;
 }
 
-/* Gauss-Newton within the limits of the bone's degrees of freedom. */
+/* Makes a Gauss-Newton step within the limits of the bone's degrees of freedom. Returns false if it
+ * does not help. */
 static bool improve_fit(const learning *l, uint32_t bone, float *dof, double damping)
 {
     const bones *b = &l->f->bones;
@@ -156,7 +160,7 @@ static bool improve_fit(const learning *l, uint32_t bone, float *dof, double dam
         for (uint32_t k = 0; k < l->points[bone]; ++k)
             g[i] += vec3_dot(moved[i][k], off[k]);
     }
-    double scale[3] = {1, 1, 1}; /* so that the determinant says something */
+    double scale[3] = {1, 1, 1}; /* scaled so that the test of the determinant is meaningful */
     for (uint32_t i = 0; i < count; ++i)
         scale[i] = 1.0 / sqrt(h.at[i][i]);
     for (int i = 0; i < 3; ++i)
@@ -180,7 +184,7 @@ static bool improve_fit(const learning *l, uint32_t bone, float *dof, double dam
     return true;
 }
 
-/* The share of the whole shape's sum of squares that the bone explains. */
+/* Returns the share of the whole shape's sum of squares that the bone explains. */
 static double part_of(const learning *l, uint32_t bone, const float *dof)
 {
     const face *f = l->f;
@@ -197,8 +201,8 @@ static double part_of(const learning *l, uint32_t bone, const float *dof)
     return whole > 0.0 ? 1.0 - left / whole : 0.0;
 }
 
-/* A lid that follows the gaze goes with the eye that the shape turns, which was fitted before: it
- * is fitted to what is left. */
+/* Poses the eye for a lid that follows the gaze. The eye was fitted before, so the lid is fitted to
+ * the rest. */
 static void follow_fitted(float *dof, const face_shape *one, const bones *b, const rig_turn *turn)
 {
     const rig_follow *follows = &turn->follows;
@@ -228,7 +232,7 @@ static void fit_bone(const learning *l, face_shape *one, uint32_t bone)
     one->bones |= UINT32_C(1) << bone;
 }
 
-/* The bones as a shape has them. */
+/* Blends the bones at a vertex as posed in a shape. */
 static blend blend_in_shape(const face *f, const rigid *pose, size_t slot)
 {
     double share[RIG_BONES_MAX];
@@ -244,9 +248,9 @@ static void set_row(float (*row)[4], size_t slot, vec3 value)
     row[slot][2] = (float)value.z;
 }
 
-/* l->posed := the face with the bones as in the shape, l->row := the rest of the shape. Returns the
- * share of its sum of squares that the bones explain. */
-static double take_bones_out(learning *l, const rigid *pose)
+/* Sets l->posed to the face with the bones as in the shape, and l->row to the rest of the shape.
+ * Returns the share of its sum of squares that the bones explain. */
+static double subtract_bones(learning *l, const rigid *pose)
 {
     const face *f = l->f;
     double whole = 0.0, left = 0.0;
@@ -264,7 +268,7 @@ static double take_bones_out(learning *l, const rigid *pose)
     return whole > 0.0 ? fmax(0.0, 1.0 - left / whole) : 0.0;
 }
 
-/* l->normal: along which a triangle is seen, as face_min_determinant does. */
+/* Computes l->normal, the normals for the projection of triangles, as face_min_determinant does. */
 static void turn_normals(learning *l, const rigid *pose)
 {
     const face *f = l->f;
@@ -286,7 +290,8 @@ static void turn_normals(learning *l, const rigid *pose)
     }
 }
 
-/* Brings l->row into the frame of the bones at rest. Vertices of one point get the same. */
+/* Transforms l->row into the frame of the bones at rest. Vertices of one point get the same
+ * value. */
 static void carry_back(learning *l, const rigid *pose)
 {
     const face *f = l->f;
@@ -301,10 +306,10 @@ static void carry_back(learning *l, const rigid *pose)
     }
 }
 
-/* ---- a shape alone folds nothing ---- */
+/* ---- removing folds of single shapes ---- */
 
-/* Where the shape strains a triangle too much its corners are brought nearer to each other:
- * l->change, by the sum of the last number. */
+/* Moves the corners of a triangle that the shape strains too much towards their mean. Adds to
+ * l->change; its last number counts the additions. */
 static bool ease_triangle(learning *l, uint32_t triangle)
 {
     const uint32_t *corner = l->f->skin + (size_t)3 * triangle;
@@ -328,13 +333,15 @@ static bool ease_triangle(learning *l, uint32_t triangle)
     return true;
 }
 
-/* Smooths a shape where it folds skin: a triangle folds by the differences between its corners. */
+/* Smooths a shape where it folds skin. Differences between the corners of a triangle cause the
+ * fold. */
 static void ease_folds(learning *l)
 {
     const face *f = l->f;
     bool any = true;
     for (size_t slot = 0; slot < f->rest.padded_count; ++slot)
-        l->change[slot][3] = 1.0f; /* all are looked at first, then what has changed */
+        l->change[slot][3] =
+            1.0f; /* the first pass visits all triangles, later ones only changed ones */
     for (int i = 0; any && i < EASINGS; ++i) {
         uint32_t count = 0;
         any = false;
@@ -353,7 +360,8 @@ static void ease_folds(learning *l)
     }
 }
 
-/* How long the edges are in it, and as what it is judged: f->before is scratch. */
+/* Notes the greatest lengths of the edges in the shape. Registers the shape with the surface meter.
+ * f->before is scratch. */
 static mrt_result note_edges(learning *l, error *err)
 {
     face *f = l->f;
@@ -374,9 +382,9 @@ static mrt_result note_edges(learning *l, error *err)
     return surface_meter_learn(f->surface_meter, (const float *const *)at, err);
 }
 
-/* ---- which shapes there are ---- */
+/* ---- the list of shapes ---- */
 
-/* Root mean square over the skin, mm, with what the bones do of it. */
+/* Returns the root mean square over the skin in mm, including the part that bones do. */
 static double size_of(const learning *l, uint32_t target)
 {
     const face *f = l->f;
@@ -410,7 +418,8 @@ static bool is_called(const mesh *m, uint32_t arkit)
     return false;
 }
 
-/* By its name; else by an expression that is this shape alone, where no shape has that name. */
+/* Returns ARKit's shape of that name. Otherwise returns the expression that consists of this shape
+ * alone, if no other shape has its name. */
 static uint32_t arkit_of(const mesh *m, uint32_t target)
 {
     uint32_t of = arkit_find(m->target[target].name);
@@ -427,7 +436,8 @@ static uint32_t arkit_of(const mesh *m, uint32_t target)
     return of;
 }
 
-/* "mouthClose" closes the lips of an open jaw; "a_b" corrects what a and b make together. */
+/* Finds the shapes that a corrective depends on. "mouthClose" closes the lips of an open jaw; "a_b"
+ * corrects the combination of a and b. */
 static void find_needs(face_shapes *s)
 {
     const uint32_t close = arkit_find("mouthClose"), open = arkit_find("jawOpen");
@@ -455,8 +465,8 @@ static double dof_product(const face_shapes *s, const float *a, const float *b, 
     return sum;
 }
 
-/* Of shapes that move the same bones the same way, the one that is that motion most follows the
- * bones. */
+/* Among shapes that move the same bones the same way, chooses the one that is closest to this
+ * motion to follow the bones. */
 static void choose_leads(face *f)
 {
     face_shapes *s = &f->shapes;
@@ -477,7 +487,8 @@ static void choose_leads(face *f)
     }
 }
 
-/* dof_mm: how far a degree of freedom, changed by 1, moves the vertices that its bone carries. */
+/* Measures dof_mm: how far a change of a degree of freedom by 1 moves the vertices that its bone
+ * carries. */
 static void measure_dofs(learning *l)
 {
     const face *f = l->f;
@@ -495,7 +506,7 @@ static void measure_dofs(learning *l)
         }
 }
 
-/* Whether skin rides on the bone, as on the jaw and on lids, but not on an eyeball. */
+/* True if skin moves with the bone, as on the jaw and on lids, but not on an eyeball. */
 static bool carries_skin(const face *f, uint32_t bone)
 {
     for (uint32_t slot = 0; slot < f->rest.count; ++slot)
@@ -531,7 +542,7 @@ static mrt_result learn_shape(learning *l, uint32_t target, float *kept, error *
         if (dofs_of(&f->bones, bone) > 0)
             fit_bone(l, one, bone);
     bones_pose(pose, &f->bones, one->dof);
-    one->purity = take_bones_out(l, pose);
+    one->purity = subtract_bones(l, pose);
     turn_normals(l, pose);
     ease_folds(l);
     mrt_result result = note_edges(l, err);
@@ -599,7 +610,7 @@ static void make_room(face *f, uint32_t count)
 uint32_t face_shapes_of(const mesh *m)
 {
     uint32_t count = m->target_count < FACE_SHAPES_MAX ? m->target_count : FACE_SHAPES_MAX;
-    /* a column on two carriers, its part of the limits, and the shape itself while it is learnt */
+    /* a column on two carriers, its part of the limits, and the shape itself during the analysis */
     uint64_t bytes = (uint64_t)count * m->vertex_count * 3 * sizeof(float) * 3;
     return bytes > bytes_most ? 0 : count;
 }
@@ -661,7 +672,7 @@ void face_shapes_fill(face *f)
 
 /* ---- an engagement ---- */
 
-/* With the bones at rest, for a weight of 1. */
+/* Returns the offset for weight 1 with the bones at rest. */
 static vec3 shape_at(const face *f, const face_shape_part *part, uint32_t slot)
 {
     return (vec3){(double)columns_row(&f->columns, part->column)[slot],
@@ -701,7 +712,7 @@ static bool is_derived(const face *f, uint32_t dof, uint32_t derived)
     return bone != RIG_NONE && (derived >> bone & 1) != 0 && f->shapes.covers[dof];
 }
 
-/* Computes A, and what depends only on which bones follow the weights. */
+/* Computes A, and everything that depends only on which bones follow the weights. */
 static void find_responses(face *f, uint32_t derived)
 {
     face_shapes *s = &f->shapes;
@@ -744,7 +755,8 @@ static void find_responses(face *f, uint32_t derived)
         }
         double *own = &s->h[(size_t)i * s->count + i], size = s->shape[i].size_mm;
         double rows = 3.0 * (held > 0 ? held : 1), e = size * size;
-        double seen = e > 0.0 ? *own / (rows / 3.0) / e : 0.0; /* mean square there over e^2 */
+        double seen =
+            e > 0.0 ? *own / (rows / 3.0) / e : 0.0; /* mean square at the controls over e^2 */
         double lambda = ridge_seeing + (ridge_blind - ridge_seeing) / (1.0 + seen);
         s->few[i] = few_mm * sqrt(*own);
         *own += rows * lambda * lambda * e + 1e-6;
@@ -753,7 +765,7 @@ static void find_responses(face *f, uint32_t derived)
 
 /* ---- a frame ---- */
 
-/* How far the bones have gone along the theta of a shape, 0..1. */
+/* Returns how far the bones have moved along the theta of a shape, 0..1. */
 static double drive_of(const face *f, const face_shape *one, const float *dof)
 {
     double way = dof_product(&f->shapes, one->dof, dof, f->bones.dof_count);
@@ -761,7 +773,8 @@ static double drive_of(const face *f, const face_shape *one, const float *dof)
     return part > 0.0 ? (part < 1.0 ? part : 1.0) : 0.0;
 }
 
-/* The weight of a shape without pulls: by the bones that it follows, or by face_ask_shapes. */
+/* Returns the weight of a shape without pulls: from the bones that it follows, or from
+ * face_ask_shapes. */
 static double led_by(const face *f, uint32_t i, const float *dof)
 {
     const face_shapes *s = &f->shapes;
@@ -799,7 +812,7 @@ static bool is_driven(const bones *b, uint32_t bone, const float *dof)
     return false;
 }
 
-/* The bones that are posed by the weights: not driven, and moved by shapes; the jaw only if some
+/* Returns the bones that the weights pose: not driven, and moved by shapes; the jaw only if some
  * control rides on it. */
 static uint32_t derived_bones(const face *f, const float *dof)
 {
@@ -812,8 +825,8 @@ static uint32_t derived_bones(const face *f, const float *dof)
     return out & s->speaks_of;
 }
 
-/* Sets the bounds of the weights, and y: the displacements asked for, less those by the bones that
- * do not follow the weights. */
+/* Sets the bounds of the weights, and y: the requested displacements minus those by bones that do
+ * not follow the weights. */
 static void begin_frame(face *f, const float *resolved, uint32_t derived, const double *end)
 {
     face_shapes *s = &f->shapes;
@@ -842,8 +855,8 @@ static void begin_frame(face *f, const float *resolved, uint32_t derived, const 
     }
 }
 
-/* Bounds each corrective by the least weight of the shapes that it corrects. True: one was above.
- */
+/* Bounds each corrective by the least weight of the shapes that it corrects. Returns true if one
+ * exceeded it. */
 static bool bound_correctives(face_shapes *s)
 {
     bool any = false;
@@ -860,8 +873,8 @@ static bool bound_correctives(face_shapes *s)
     return any;
 }
 
-/* Reduces each shape by how badly the shapes explain the displacements of the controls that it
- * moves; the fields do the rest. */
+/* Reduces the weight of a shape if the shapes explain the displacements of its controls badly. The
+ * fields do the rest. */
 static void trust_shapes(face *f)
 {
     face_shapes *s = &f->shapes;
@@ -885,7 +898,8 @@ static void trust_shapes(face *f)
                 left += size * s->left[axis] * s->left[axis];
             }
         }
-        double alone = sum > 0.0 ? square / (sum * sum) : 1.0; /* 1 over how many speak of it */
+        double alone = sum > 0.0 ? square / (sum * sum)
+                                 : 1.0; /* 1 over the number of controls that determine it */
         double to = trusted_to + alone * (trusted_alone - trusted_to);
         double part = asked > 0.0 ? (left / asked - trusted_from) / (to - trusted_from) : 1.0;
         part = part < 0.0 ? 0.0 : (part > 1.0 ? 1.0 : part);
@@ -894,7 +908,7 @@ static void trust_shapes(face *f)
     }
 }
 
-/* For each degree of freedom the sum of what the shapes do of it, without signs. */
+/* Sums for each degree of freedom the absolute motions by the shapes. */
 static void add_ways(const face *f, double *out)
 {
     const face_shapes *s = &f->shapes;
@@ -905,8 +919,8 @@ static void add_ways(const face *f, double *out)
     }
 }
 
-/* Blends, by how far the weights are trusted, between the value that they give and the one before.
- */
+/* Blends between the value that the weights give and the value before, by how far the weights are
+ * trusted. */
 static double derive_dof(const face *f, uint32_t d, double was, double asked, double believed)
 {
     const face_shapes *s = &f->shapes;
@@ -951,7 +965,7 @@ void face_shapes_solve(face *f, float *resolved, const float *dof, const double 
             s->weight[i] = fmin(s->weight[i], s->high[i]);
 }
 
-/* Of `weight`, which of `count` shapes do something at a control. */
+/* Sums the offsets of all shapes with `weight` at a control. */
 static vec3 sum_at(const face *f, uint32_t control, const double *weight)
 {
     const face_shapes *s = &f->shapes;
@@ -998,7 +1012,7 @@ vec3 face_shapes_led_slot(const face *f, uint32_t slot)
     return sum;
 }
 
-/* ---- as columns ---- */
+/* ---- columns ---- */
 
 void face_shapes_weigh(const face *f, double *weight, const rigid *pose)
 {
@@ -1061,7 +1075,7 @@ bool face_shapes_are_held(const face *f)
     return false;
 }
 
-/* ---- what others see ---- */
+/* ---- access ---- */
 
 uint32_t face_shape_count(const face *f)
 {

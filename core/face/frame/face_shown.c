@@ -1,6 +1,6 @@
-/* The shape shown, by blocks: which hold from the frame before, which have to be written anew. A
+/* Writes the shape shown by blocks, and only those that have changed since the frame before. A
  * block depends on the origin there, on the columns that reach it and their weights, and on the
- * poses of the proxies near it: where none of these has changed it is left as it is. */
+ * poses of the proxies near it. If none of these has changed, the block is kept. */
 #include "face/frame/frame.h"
 #include "face/frame/rows.h"
 
@@ -14,7 +14,7 @@ static uint32_t words_of(uint32_t column_count)
     return (column_count + COLUMNS_WORD - 1) / COLUMNS_WORD;
 }
 
-/* ---- made ---- */
+/* ---- creation ---- */
 
 static bool is_whole(const float *weight)
 {
@@ -24,7 +24,8 @@ static bool is_whole(const float *weight)
     return whole == POINTS_BLOCK;
 }
 
-/* The one bone that moves vertices of the block, and moves all of it. */
+/* Returns the only bone that moves vertices of the block, if it moves all of them fully. Otherwise
+ * returns SHADING_LOOSE. */
 static uint8_t bone_of_block(const face *f, uint32_t block)
 {
     uint8_t found = SHADING_LOOSE;
@@ -59,7 +60,7 @@ mrt_result face_shown_create(face *f, error *err)
     return stamps_create(&s->written, f->rest.block_count, err);
 }
 
-/* ---- what changes ---- */
+/* ---- changes ---- */
 
 static bool is_same_block(const points *a, const points *b, uint32_t block)
 {
@@ -115,7 +116,7 @@ void face_forget_columns(face *f)
 
 /* ---- frames ---- */
 
-/* blocks.changed: the columns whose weight is not that of the frame before. */
+/* Sets blocks.changed to the columns whose weight differs from the frame before. */
 static void note_weights(face *f)
 {
     const columns *c = &f->columns;
@@ -144,7 +145,7 @@ static bool is_sealed(const face *f, uint32_t block)
     return f->lips.is_meeting && f->lips.reaches[block];
 }
 
-/* A block that bones, controls and the seal have just moved. */
+/* Finishes a block that bones, controls and the seal have just moved. */
 static void end_block(face *f, uint32_t block)
 {
     face_blocks *s = &f->blocks;
@@ -155,7 +156,7 @@ static void end_block(face *f, uint32_t block)
     stamps_mark(&s->written, block);
 }
 
-/* Of what the limit has summed already only the bones' part is left to do. */
+/* Writes a block whose controls the limit has already summed: only the bones' part is missing. */
 static uint32_t write_known(face *f, uint32_t block)
 {
     float sum[3][POINTS_BLOCK];
@@ -166,7 +167,7 @@ static uint32_t write_known(face *f, uint32_t block)
     return block + 1;
 }
 
-/* Of what the limit has summed with the seal nothing is left to do. */
+/* Writes a block that the limit has already summed with the seal: nothing is missing. */
 static uint32_t write_sealed(face *f, uint32_t block)
 {
     const size_t first = (size_t)block * POINTS_BLOCK;
@@ -178,7 +179,7 @@ static uint32_t write_sealed(face *f, uint32_t block)
     return block + 1;
 }
 
-/* In runs: columns are faster at several blocks. Returns the end. */
+/* Writes a run of blocks, since columns are faster for several blocks. Returns the end. */
 static uint32_t write_run(face *f, uint32_t first)
 {
     uint32_t end = first + 1;
@@ -243,7 +244,7 @@ void face_show_rest(face *f)
     note_projection(f);
 }
 
-/* ---- what others see ---- */
+/* ---- access ---- */
 
 const points *face_shown(const face *f)
 {

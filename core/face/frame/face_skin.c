@@ -1,4 +1,5 @@
-/* The exact meter of a face with a rig: is any skin turned over? See face_min_determinant. */
+/* The exact meter of a face with a rig, which finds skin that is turned over. See
+ * face_min_determinant. */
 #include "face/frame/frame.h"
 
 #include <math.h>
@@ -11,9 +12,8 @@ vec3 face_skin_area(const points *p, const uint32_t *corner)
                       vec3_sub(points_position(p, corner[2]), a));
 }
 
-/* Of the square of its longest edge, twice a triangle's area: flatter ones are needles, as scans
- * and quantised files have them. They turn over with the least motion, and say nothing of the skin.
- */
+/* Twice a triangle's area over the square of its longest edge. Flatter triangles are needles, as in
+ * scans and quantised files. They turn over with the least motion, so they are not measured. */
 static const double flattest = 1e-4;
 
 static bool is_needle(const points *p, const uint32_t *corner)
@@ -27,7 +27,7 @@ static bool is_needle(const points *p, const uint32_t *corner)
     return !(vec3_length(face_skin_area(p, corner)) > flattest * longest);
 }
 
-/* Triangles with an area at rest and a vertex that is free to move. */
+/* Lists triangles with an area at rest and a mobile vertex. */
 static void list_skin(face *f, const mesh *m)
 {
     for (uint32_t t = 0; t < m->triangle_count; ++t) {
@@ -57,7 +57,8 @@ mrt_result face_skin_create(face *f, const mesh *m, error *err)
     if (!f->skin)
         return error_set(err, MRT_ERR_MEMORY, "no memory for %u triangles", m->triangle_count);
     list_skin(f, m);
-    qsort(f->skin, f->skin_count, 3 * sizeof *f->skin, by_slot); /* near each other in memory */
+    qsort(f->skin, f->skin_count, 3 * sizeof *f->skin,
+          by_slot); /* neighbours are near each other in memory */
     const float *const rest[3] = {f->rest.x, f->rest.y, f->rest.z};
     return surface_meter_create(&f->surface_meter, rest, f->rest.count, f->skin, f->skin_count,
                                 err);
@@ -77,15 +78,15 @@ vec3 face_skin_along(const face *f, const uint32_t *corner)
     return vec3_add(normal, matrix3x3_apply(&here.rotation, normal));
 }
 
-/* Whether a / (|b| c) is more than `least` for certain, before a root is drawn for it. */
+/* Returns true if a / (|b| c) is certainly more than `least`. Avoids a square root. */
 static bool is_above(double a, double b_squared, double c_squared, double least)
 {
-    const double margin = 1.0 + 1e-9; /* what rounding could decide is looked at closely */
+    const double margin = 1.0 + 1e-9; /* cases that rounding could decide are computed exactly */
     return a > 0.0 && (least <= 0.0 || a * a > margin * least * least * b_squared * c_squared);
 }
 
-/* What face_skin_along has in common for all triangles of a pose: the bones that move, how far they
- * turn. */
+/* The part of face_skin_along that all triangles of a pose share: the moving bones and their
+ * rotations. */
 typedef struct skin_turns {
     uint32_t count;
     const float *weight[RIG_BONES_MAX];
@@ -105,7 +106,7 @@ static void skin_turns_of(skin_turns *out, const face *f)
     }
 }
 
-/* face_skin_along, to the bit; rest: face_skin_area there. */
+/* Same bits as face_skin_along; rest: face_skin_area of the triangle. */
 static vec3 skin_along(const skin_turns *turns, vec3 rest, const uint32_t *corner)
 {
     matrix3x3 sum = {{{0}}};

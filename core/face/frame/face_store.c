@@ -1,4 +1,5 @@
-/* The state of a face as bytes: what frames to come depend on. Columns are found again. */
+/* The state of a face as bytes, with everything that later frames depend on. Columns are not
+ * stored; loading computes them again. */
 #include "base/bytes.h"
 #include "face/frame/frame.h"
 
@@ -11,11 +12,12 @@ static const char store_mark[4] = {'F', 'A', 'C', 'E'};
 
 enum { ORIGIN_BASE = 0, ORIGIN_FREE = 1 };
 
-/* What a grip may be: wider than face_grip.c makes it, so that a pull stays a number. */
+/* Valid range of a stored grip. It is wider than the values of face_grip.c, but keeps a pull
+ * finite. */
 static const double share_most = 2.0, belonging_least = 0.01;
 static const double mobility_least = 0.01, mobility_most = 100.0;
 
-/* ---- shapes: only what differs from the rest shape ---- */
+/* ---- shapes: stored only if they differ from the rest shape ---- */
 
 static bool are_equal(const points *a, const points *b)
 {
@@ -24,7 +26,7 @@ static bool are_equal(const points *a, const points *b)
            memcmp(a->z, b->z, size) == 0;
 }
 
-static void put_shape(bytes_out *out, const points *p, const points *rest)
+static void write_shape(bytes_out *out, const points *p, const points *rest)
 {
     bool is_moved = !are_equal(p, rest);
     bytes_write_u32(out, is_moved);
@@ -35,7 +37,7 @@ static void put_shape(bytes_out *out, const points *p, const points *rest)
         bytes_write(out, stream[axis], (size_t)p->padded_count * sizeof(float));
 }
 
-static void take_shape(bytes_in *in, points *out, const points *rest)
+static void read_shape(bytes_in *in, points *out, const points *rest)
 {
     if (bytes_read_u32(in) == 0) {
         points_copy(out, rest);
@@ -48,9 +50,9 @@ static void take_shape(bytes_in *in, points *out, const points *rest)
     points_update_bounds(out);
 }
 
-/* ---- what holds the face ---- */
+/* ---- grips and settings ---- */
 
-static void put_grip(bytes_out *out, const face *f, const face_grip *grip)
+static void write_grip(bytes_out *out, const face *f, const face_grip *grip)
 {
     for (uint32_t b = 0; b < f->bone_count; ++b) {
         bytes_write_f64(out, grip->share[b]);
@@ -63,7 +65,7 @@ static void put_grip(bytes_out *out, const face *f, const face_grip *grip)
     bytes_write_u32(out, grip->is_dropped);
 }
 
-static void take_grip(bytes_in *in, const face *f, face_grip *out)
+static void read_grip(bytes_in *in, const face *f, face_grip *out)
 {
     memset(out, 0, sizeof *out);
     uint32_t bones_held = 0;
@@ -88,7 +90,7 @@ static void take_grip(bytes_in *in, const face *f, face_grip *out)
                   out->is_dropped != (bones_held == 0);
 }
 
-static void put_settings(bytes_out *out, const csrbf_settings *s)
+static void write_settings(bytes_out *out, const csrbf_settings *s)
 {
     bytes_write_u32(out, (uint32_t)s->kernel);
     bytes_write_u32(out, (uint32_t)s->polynomial);
@@ -97,7 +99,7 @@ static void put_settings(bytes_out *out, const csrbf_settings *s)
     bytes_write_f64(out, s->stretch_most);
 }
 
-static void take_settings(bytes_in *in, csrbf_settings *out)
+static void read_settings(bytes_in *in, csrbf_settings *out)
 {
     out->kernel = (csrbf_kernel)bytes_read_u32(in);
     out->polynomial = (csrbf_polynomial)bytes_read_u32(in);
@@ -108,10 +110,10 @@ static void take_settings(bytes_in *in, csrbf_settings *out)
                   out->polynomial > CSRBF_WINDOWED;
 }
 
-/* With the count: what is asked for follows. */
+/* Flag in the count: the requested least weights follow. */
 #define SHAPES_ARE_ASKED 0x80000000u
 
-static void put_shape_weights(bytes_out *out, const face_shapes *s)
+static void write_shape_weights(bytes_out *out, const face_shapes *s)
 {
     bool are_asked = false;
     for (uint32_t i = 0; i < s->count; ++i)
@@ -135,25 +137,25 @@ size_t face_save(const face *f, void *bytes, size_t capacity)
     bytes_write_u32(&out, f->bones.dof_count);
     for (uint32_t i = 0; i < f->bones.dof_count; ++i)
         bytes_write_f64(&out, (double)f->dof[i]);
-    put_shape_weights(&out, &f->shapes);
+    write_shape_weights(&out, &f->shapes);
     bytes_write_u32(&out, f->origin == &f->free ? ORIGIN_FREE : ORIGIN_BASE);
-    put_shape(&out, &f->base, &f->rest);
+    write_shape(&out, &f->base, &f->rest);
     if (f->origin == &f->free)
-        put_shape(&out, &f->free, &f->rest);
+        write_shape(&out, &f->free, &f->rest);
     bytes_write_u32(&out, f->control_count);
     if (f->control_count == 0)
         return out.size;
-    put_settings(&out, &f->settings);
+    write_settings(&out, &f->settings);
     for (uint32_t k = 0; k < f->control_count; ++k)
-        put_grip(&out, f, &f->grip[k]);
+        write_grip(&out, f, &f->grip[k]);
     bytes_write_u32(&out, f->control_column_count);
     bytes_write(&out, f->weight, (size_t)3 * f->control_column_count * sizeof *f->weight);
     return out.size;
 }
 
-/* ---- back ---- */
+/* ---- loading ---- */
 
-static float take_single(bytes_in *in)
+static float read_float(bytes_in *in)
 {
     double value = bytes_read_f64(in);
     bool fits = fabs(value) <= (double)FLT_MAX;
@@ -174,8 +176,8 @@ static bool is_of_this_face(bytes_in *in, const face *f)
     return fits && !in->failed;
 }
 
-/* The controls take hold as they did; false: they cannot. */
-static bool take_controls(bytes_in *in, face *f)
+/* Engages the stored controls again. Returns false if that is not possible. */
+static bool read_controls(bytes_in *in, face *f)
 {
     csrbf_settings settings = {0};
     uint32_t count = bytes_read_u32(in);
@@ -183,9 +185,9 @@ static bool take_controls(bytes_in *in, face *f)
         return true;
     if (in->failed || count > f->control_capacity || f->origin == &f->free)
         return false;
-    take_settings(in, &settings);
+    read_settings(in, &settings);
     for (uint32_t k = 0; k < count; ++k)
-        take_grip(in, f, &f->grip[k]);
+        read_grip(in, f, &f->grip[k]);
     if (in->failed)
         return false;
     f->settings = settings;
@@ -199,7 +201,7 @@ static bool take_controls(bytes_in *in, face *f)
     return !in->failed;
 }
 
-static void take_shares(bytes_in *in, double *out, uint32_t count)
+static void read_shares(bytes_in *in, double *out, uint32_t count)
 {
     for (uint32_t i = 0; i < count && !in->failed; ++i) {
         double share = bytes_read_f64(in);
@@ -208,16 +210,16 @@ static void take_shares(bytes_in *in, double *out, uint32_t count)
     }
 }
 
-static void take_shape_weights(bytes_in *in, face *f)
+static void read_shape_weights(bytes_in *in, face *f)
 {
     face_shapes *s = &f->shapes;
     if (s->count == 0)
         return;
     uint32_t count = bytes_read_u32(in);
     in->failed |= (count & ~SHAPES_ARE_ASKED) != s->count;
-    take_shares(in, s->weight, s->count);
+    read_shares(in, s->weight, s->count);
     if (count & SHAPES_ARE_ASKED)
-        take_shares(in, s->asked, s->count);
+        read_shares(in, s->asked, s->count);
 }
 
 mrt_result face_load(face *f, const void *bytes, size_t size, error *err)
@@ -227,21 +229,21 @@ mrt_result face_load(face *f, const void *bytes, size_t size, error *err)
     rigid pose[RIG_BONES_MAX];
     face_reset(f);
     if (!is_of_this_face(&in, f))
-        return error_set(err, MRT_ERR_FORMAT, "the stored state is not of this face");
+        return error_set(err, MRT_ERR_FORMAT, "the stored state belongs to another face");
     for (uint32_t i = 0; i < f->bones.dof_count; ++i)
-        dof[i] = take_single(&in);
-    take_shape_weights(&in, f);
+        dof[i] = read_float(&in);
+    read_shape_weights(&in, f);
     bool is_free = bytes_read_u32(&in) == ORIGIN_FREE;
-    take_shape(&in, &f->base, &f->rest);
+    read_shape(&in, &f->base, &f->rest);
     if (is_free)
-        take_shape(&in, &f->free, &f->rest);
+        read_shape(&in, &f->free, &f->rest);
     if (in.failed)
         goto damaged;
     f->origin = is_free ? &f->free : &f->base;
     face_touch_all(f);
     bones_pose(pose, &f->bones, dof);
     face_take_pose(f, dof, pose);
-    if (!take_controls(&in, f) || in.at != in.end)
+    if (!read_controls(&in, f) || in.at != in.end)
         goto damaged;
     face_pose_columns(f);
     face_pose_weights(f, f->weight, f->pose);

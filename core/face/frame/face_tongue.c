@@ -1,19 +1,19 @@
 /* Keeps the tongue behind closed lips. Bones, pulls and the seal leave a gap between the rims in
  * the middle of the mouth. Up to free_rad the tip of the tongue is behind the lips in any case.
- * Beyond, the tongue may turn out in proportion to the gap, and wholly where the gap is as high as
- * the part of the tongue that is outside. meter.dof has the reduced turn, so recordings and exports
- * do too. */
+ * Beyond that the tongue may turn out in proportion to the gap. It may turn out fully if the gap is
+ * as high as the part of the tongue that is outside. meter.dof contains the reduced turn, so
+ * recordings and exports contain it, too. */
 #include "face/frame/frame.h"
 
 #include <math.h>
 #include <string.h>
 
 enum { STEPS = 64 };
-static const double behind_mm = 2.0; /* of the edge of the lips */
+static const double behind_mm = 2.0; /* behind the edge of the lips */
 static const float of_tongue = 0.99f;
 
 typedef struct tongue_reach {
-    double before_mm;       /* from the lips forward to its foremost point */
+    double before_mm;       /* distance of its foremost point in front of the lips */
     double low_mm, high_mm; /* of the part in front of the lips, along `up` */
 } tongue_reach;
 

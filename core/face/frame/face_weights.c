@@ -11,13 +11,13 @@
 #include <string.h>
 
 enum { ROWS_MAX = 3 * FACE_WEIGHTS_POINTS + MRT_MAX_DOFS, TERMS = 8 };
-static const double ridge_part = 1e-4; /* of what a shape is by itself */
+static const double ridge_part = 1e-4; /* of the shape's own square */
 static const double ridge_mm = 0.01;   /* root mean square over the points */
-static const double few_part = 0.005;  /* likewise: so much of a weight is the price of using it */
-static const double dof_points = 20.0; /* a degree of freedom counts as so many points */
-static const double look_rad = 0.5236; /* of an eye that looks all the way, where no pose says */
-static const double least_mm = 0.02;   /* of a shape that does something */
-static const double quiet_part = 0.15; /* of the points: chosen though little moves there */
+static const double few_part = 0.005;  /* of the shape's own square: cost per unit of weight */
+static const double dof_points = 20.0; /* number of points that a degree of freedom counts for */
+static const double look_rad = 0.5236; /* full turn of an eye, if no pose defines it */
+static const double least_mm = 0.02;   /* least size of a shape that is used */
+static const double quiet_part = 0.15; /* least worth of a point, as a share of the greatest */
 
 const char *const face_expression_name[FACE_EXPRESSIONS] = {
     "happy",      "angry",  "sad",      "relaxed",  "surprised", "aa",
@@ -41,13 +41,14 @@ const char *const face_viseme_name[FACE_VISEMES] = {"sil", "PP", "FF", "TH",    
                                                     "CH",  "SS", "nn", "RR",      "aa", "E",
                                                     "I",   "O",  "U",  "laughter"};
 
-/* A sum of the 52; a name that has a left and a right means both. */
+/* A sum of the 52. A name with a left and a right side means both. */
 typedef struct term {
     const char *name;
     double part;
 } term;
 
-/* Found together, so that a laugh is no vowel; the rest of them is what the eyes do. */
+/* Solved together, so that a laugh is not taken for a vowel. The other expressions come from the
+ * eyes. */
 static const term expression_sum[OH + 1][TERMS] = {
     /* happy */ {{"mouthSmile", 0.9}, {"cheekSquint", 0.6}, {"eyeSquint", 0.3}},
     /* angry */ {{"browDown", 0.9}, {"noseSneer", 0.4}, {"mouthPress", 0.4}, {"eyeSquint", 0.3}},
@@ -81,7 +82,7 @@ static const term viseme_sum[FACE_VISEMES][TERMS] = {
     /* U */ {{"jawOpen", 0.15}, {"mouthPucker", 0.8}, {"mouthFunnel", 0.2}},
     /* laughter */ {{"jawOpen", 0.5}, {"mouthSmile", 0.9}, {"cheekSquint", 0.6}}};
 
-/* Shapes whose weights are found together. */
+/* Shapes whose weights are solved together. */
 typedef struct shape_set {
     uint32_t count;
     double *column; /* row_count by count */
@@ -93,34 +94,35 @@ typedef struct shape_set {
 enum { IN, OUT, UP, DOWN, WAYS };
 
 typedef struct eye {
-    uint32_t bone;              /* RIG_NONE: it has none */
-    uint32_t look[WAYS], blink; /* of the 52 */
+    uint32_t bone;              /* RIG_NONE if it has none */
+    uint32_t look[WAYS], blink; /* indices into the 52 */
     double whole_rad[WAYS];
 } eye;
 
 struct face_weights {
-    arrays arrays; /* of the sets */
+    arrays arrays; /* owner of the arrays of the sets */
     const rig *rig;
     bones bones;
     uint32_t vertex_count, point_count, row_count;
     uint32_t vertex[FACE_WEIGHTS_POINTS];
     vec3 rest[FACE_WEIGHTS_POINTS];
     double share[FACE_WEIGHTS_POINTS][RIG_BONES_MAX];
-    uint32_t dof_row_count, dof_row[MRT_MAX_DOFS]; /* which */
-    double dof_scale[MRT_MAX_DOFS];                /* of each of these rows */
+    uint32_t dof_row_count,
+        dof_row[MRT_MAX_DOFS];      /* dof_row: index of the degree of freedom of each row */
+    double dof_scale[MRT_MAX_DOFS]; /* factor of each of these rows */
     double y[ROWS_MAX];
-    rigid pose[RIG_BONES_MAX]; /* of the frame */
+    rigid pose[RIG_BONES_MAX]; /* pose of the frame */
     face_name_source source[ARKIT_CHANNELS];
     shape_set arkit, expressions, visemes;
     uint32_t jaw_open, mouth_close;
-    uint32_t head; /* bone; RIG_NONE */
+    uint32_t head; /* bone, or RIG_NONE */
     eye eye[2];    /* left, right */
     face_channels channels;
 };
 
-/* ---- made: what each name does ---- */
+/* ---- creation: the meaning of each name ---- */
 
-/* Of all names, while it is made: offsets of all vertices with the bones taken back. */
+/* Meaning of a name during creation: offsets of all vertices, with the bones back at rest. */
 typedef struct meaning {
     bool is_there;
     float *offset; /* vertex_count by 3, file order */
@@ -129,11 +131,11 @@ typedef struct meaning {
 
 enum {
     VISEME_MEANING = ARKIT_SHAPES,
-    EXPRESSION_MEANING = VISEME_MEANING + FACE_VISEMES, /* those that are found together */
+    EXPRESSION_MEANING = VISEME_MEANING + FACE_VISEMES, /* those that are solved together */
     MEANINGS = EXPRESSION_MEANING + OH + 1
 };
 
-/* VRM's words for what the 52 and the visemes call otherwise. */
+/* VRM's names for shapes that the 52 or the visemes call otherwise. */
 static const struct {
     const char *expression, *name;
 } same_word[] = {{"blinkLeft", "eyeBlinkLeft"},
@@ -145,7 +147,7 @@ static const struct {
                  {"ou", "viseme_U"}};
 
 typedef struct making {
-    arrays arrays; /* position, and the offsets of the meanings */
+    arrays arrays; /* owner of position and of the offsets of the meanings */
     face_weights *self;
     face *f;
     const mesh *m;
@@ -154,8 +156,8 @@ typedef struct making {
     float *position; /* vertex_count by 3 */
 } making;
 
-/* Which of the 52, the visemes and the expressions a shape or a pose is called; "browInnerUp_L" is
- * half of browInnerUp, and a viseme begins as in "viseme_aa". MEANINGS: none. */
+/* Returns which of the 52, the visemes and the expressions a shape or a pose stands for, or
+ * MEANINGS for none. "browInnerUp_L" is half of browInnerUp; a viseme begins as in "viseme_aa". */
 static uint32_t meaning_of(const char *name)
 {
     char whole[64];
@@ -177,7 +179,7 @@ static uint32_t meaning_of(const char *name)
     return found < ARKIT_SHAPES ? found : MEANINGS;
 }
 
-/* So much of the head's own shape. */
+/* Adds this part of one of the head's own shapes. */
 static void add_own_shape(making *k, uint32_t at, uint32_t own, double part)
 {
     meaning *to = &k->of[at];
@@ -201,7 +203,8 @@ static void add_own_shapes(making *k)
     }
 }
 
-/* What no shape is called, of those that the mesh's table of expressions makes of several. */
+/* Adds an expression that the mesh's table combines from several shapes, if no shape has its
+ * name. */
 static void add_expression(making *k, uint32_t at, const char *name)
 {
     float part[FACE_SHAPES_MAX];
@@ -228,7 +231,7 @@ static void add_expressions(making *k)
     }
 }
 
-/* A mesh without a rig moves nothing but its vertices. */
+/* Uses the targets of a mesh without a rig directly, since it moves only its vertices. */
 static void add_targets(making *k)
 {
     for (uint32_t i = 0; i < k->m->target_count && !face_bones(k->f)->rig; ++i) {
@@ -249,7 +252,7 @@ static void shares_of(double *out, const binding *b, size_t vertex)
         out[bone] = (double)b->weight[bone * b->vertex_count + vertex];
 }
 
-/* What the pose moves, the bones taken back. */
+/* Adds the motion of a pose, with the bones back at rest. */
 static mrt_result add_pose(making *k, const rig *r, uint32_t pose, meaning *to, error *err)
 {
     const bones *b = &k->self->bones;
@@ -286,7 +289,7 @@ static mrt_result add_poses(making *k, const rig *r, error *err)
         if (at < ARKIT_SHAPES)
             k->self->source[at] = FACE_NAME_POSE;
     }
-    /* It was shown over the open jaw. */
+    /* mouthClose was shown over the open jaw, so jawOpen is subtracted. */
     meaning *close = &k->of[k->self->mouth_close], *open = &k->of[k->self->jaw_open];
     if (k->self->source[k->self->mouth_close] != FACE_NAME_POSE || !open->is_there ||
         k->self->source[k->self->jaw_open] != FACE_NAME_POSE)
@@ -298,9 +301,9 @@ static mrt_result add_poses(making *k, const rig *r, error *err)
     return result;
 }
 
-/* ---- made: where it is looked at ---- */
+/* ---- creation: the sampled points ---- */
 
-/* How much of all meanings moves a vertex, mm. */
+/* Returns how far all meanings together move a vertex, mm. */
 static double stir_at(const making *k, uint32_t v)
 {
     double sum = 0.0;
@@ -313,7 +316,7 @@ static double stir_at(const making *k, uint32_t v)
     return sqrt(sum);
 }
 
-/* The vertices furthest from those chosen before, nearer to each other where more is moved. */
+/* Chooses the vertices furthest from those chosen before; denser where more is moved. */
 static mrt_result choose_points(making *k, error *err)
 {
     face_weights *self = k->self;
@@ -355,7 +358,8 @@ static bool is_of_eye(const face_weights *self, uint32_t dof)
     return bone == self->eye[0].bone || bone == self->eye[1].bone;
 }
 
-/* Root mean square of how far vertices that the bone carries go for each 1 of it. */
+/* Returns the root mean square of how far a change by 1 moves the vertices that the bone
+ * carries. */
 static double reach_of(const making *k, uint32_t d)
 {
     const bones *b = &k->self->bones;
@@ -377,7 +381,7 @@ static double reach_of(const making *k, uint32_t d)
     return count > 0 && dof[d] != 0.0f ? sqrt(sum / count) / fabs((double)dof[d]) : 0.0;
 }
 
-/* The degrees of freedom of bones that some shape moves, but those of eyes. */
+/* Chooses the degrees of freedom of bones that some shape moves, except those of eyes. */
 static void choose_dofs(making *k)
 {
     face_weights *self = k->self;
@@ -395,7 +399,7 @@ static void choose_dofs(making *k)
     self->row_count = 3 * self->point_count + self->dof_row_count;
 }
 
-/* ---- made: the least squares ---- */
+/* ---- creation: the least squares ---- */
 
 static void set_create(shape_set *out, arrays *a, uint32_t count, uint32_t rows)
 {
@@ -422,7 +426,7 @@ static void fill_column(shape_set *s, uint32_t at, const face_weights *self, con
             self->dof_scale[i] * from->dof[self->dof_row[i]];
 }
 
-/* to += part of one of the 52. */
+/* Adds a part of one of the 52. */
 static void add_term(shape_set *to, uint32_t at, const face_weights *self, const char *name,
                      const char *side, double part)
 {
@@ -487,7 +491,7 @@ static mrt_result fill_sets(making *k, error *err)
 
 /* ---- eyes ---- */
 
-/* Where it looks beside the bone that it rides on: to the face's left, and up. */
+/* Computes the direction of the gaze relative to the bone's parent: to the face's left, and up. */
 static void look_of(double *out_yaw_rad, double *out_pitch_rad, const face_weights *self,
                     uint32_t bone, const rigid *pose)
 {
@@ -517,7 +521,7 @@ static void find_eyes(making *k)
     }
 }
 
-/* Yaw, pitch and, of the head, roll. */
+/* Marks the turns that bones provide: yaw, pitch and, for the head, roll. */
 static void find_turns(face_weights *self)
 {
     const uint32_t bone[3] = {self->head, self->eye[0].bone, self->eye[1].bone};
@@ -527,7 +531,7 @@ static void find_turns(face_weights *self)
                 self->source[ARKIT_SHAPES + 3 * i + axis] = FACE_NAME_BONES;
 }
 
-/* How far an eye goes that looks all the way. */
+/* Measures the full turn of each eye in each direction. */
 static void measure_eyes(making *k)
 {
     face_weights *self = k->self;
@@ -552,7 +556,7 @@ static void measure_eyes(making *k)
         }
 }
 
-/* ---- created ---- */
+/* ---- creating and destroying ---- */
 
 static mrt_result prepare(making *k, error *err)
 {
@@ -603,7 +607,7 @@ mrt_result face_weights_create(face_weights **out, face *f, const rig *r, const 
         self->vertex_count = m->vertex_count;
         *k = (making){
             .self = self, .f = f, .m = m, .solver = rig_poses_solver(face_bones(f)->rig, m)};
-        k->solver.stretch_most = r ? r->solver.stretch_most : 0.0; /* as it is performed */
+        k->solver.stretch_most = r ? r->solver.stretch_most : 0.0; /* as in a performance */
         result = make(k, err);
         face_reset(f);
         arrays_free(&k->arrays);
@@ -631,8 +635,9 @@ face_name_source face_weights_source(const face_weights *self, uint32_t channel)
 
 /* ---- a frame ---- */
 
-/* self->y := where the points are with the bones taken back, and the degrees of freedom. */
-static bool take_frame(face_weights *self, const float *position, const float *dof)
+/* Sets self->y to the offsets of the points with the bones back at rest, followed by the degrees of
+ * freedom. */
+static bool read_frame(face_weights *self, const float *position, const float *dof)
 {
     const bones *b = &self->bones;
     float asked[MRT_MAX_DOFS];
@@ -655,7 +660,7 @@ static bool take_frame(face_weights *self, const float *position, const float *d
     return isfinite(sum);
 }
 
-/* In, out, up, down: shapes whose weights the bones say, of an eye. */
+/* Sets the weights of an eye's in, out, up and down shapes from its bone. */
 static void read_eye(face_weights *self, int side)
 {
     const eye *e = &self->eye[side];
@@ -699,7 +704,7 @@ static void solve_set(shape_set *s, const face_weights *self)
     (void)shape_solve(s->weight, &problem, s->scratch);
 }
 
-/* mouthClose closes the lips of an open jaw. */
+/* Solves the 52. mouthClose closes the lips of an open jaw, so it is at most jawOpen. */
 static void solve_arkit(face_weights *self)
 {
     shape_set *s = &self->arkit;
@@ -728,14 +733,14 @@ static double left_over_mm(const face_weights *self)
     return self->point_count > 0 ? sqrt(sum / self->point_count) : 0.0;
 }
 
-/* Of the ways that both eyes look. */
+/* Returns the mean of one direction of the gaze over both eyes. */
 static double mean_look(const face_weights *self, int left, int right)
 {
     const double *channels = self->channels.arkit;
     return 0.5 * (channels[self->eye[0].look[left]] + channels[self->eye[1].look[right]]);
 }
 
-static void say_eyes(face_weights *self)
+static void set_eye_expressions(face_weights *self)
 {
     double *out = self->channels.expression, felt = 0.0;
     out[BLINK_LEFT] = self->channels.arkit[self->eye[0].blink];
@@ -752,7 +757,7 @@ static void say_eyes(face_weights *self)
 
 const face_channels *face_weights_solve(face_weights *self, const float *position, const float *dof)
 {
-    if (!take_frame(self, position, dof))
+    if (!read_frame(self, position, dof))
         return &self->channels;
     read_eye(self, 0);
     read_eye(self, 1);
@@ -761,7 +766,7 @@ const face_channels *face_weights_solve(face_weights *self, const float *positio
     self->channels.residual_mm = left_over_mm(self);
     solve_set(&self->expressions, self);
     memcpy(self->channels.expression, self->expressions.weight, (OH + 1) * sizeof(double));
-    say_eyes(self);
+    set_eye_expressions(self);
     solve_set(&self->visemes, self);
     double spoken = 0.0;
     memcpy(self->channels.viseme, self->visemes.weight, sizeof self->channels.viseme);

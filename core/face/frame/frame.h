@@ -1,5 +1,5 @@
-/* face/frame/frame.h - what a face (face/face.h) is made of, and what the files of this folder do
- * for each other. */
+/* face/frame/frame.h - the data of a face (face/face.h), and the functions that the files of this
+ * folder share. */
 #ifndef MAROTTE_FACE_FRAME_FRAME_H
 #define MAROTTE_FACE_FRAME_FRAME_H
 #include "base/arrays.h"
@@ -9,18 +9,18 @@
 
 enum { FACE_BONES_PER_CONTROL = 4, FACE_POSE_COLUMNS = 4 };
 
-/* A bone: how far each vertex follows its motion, and the displacement field that is applied to its
- * vertices before. */
+/* A bone: how far each vertex follows its motion, and the displacement field that moves these
+ * vertices first. */
 typedef struct face_field {
     csrbf_solver *solver;
-    float *weight;                    /* padded_count: w_b */
-    float *pull;                      /* padded_count: w_b m */
-    uint8_t *wanted;                  /* block_count: 1 where pull is not 0 all over */
-    uint8_t *carried;                 /* block_count: 1 where weight is not 0 all over */
-    uint32_t *control, control_count; /* the controls that belong to it, ascending */
-    uint32_t first_column;            /* of its controls */
-    uint32_t pose_column;             /* the first of four, when the bone moves */
-    vec3 pivot;                       /* mm: what the pose columns count from */
+    float *weight;    /* padded_count: w_b */
+    float *pull;      /* padded_count: w_b m */
+    uint8_t *wanted;  /* block_count: 1 for blocks where pull is not 0 everywhere */
+    uint8_t *carried; /* block_count: 1 for blocks where weight is not 0 everywhere */
+    uint32_t *control, control_count; /* its controls, ascending */
+    uint32_t first_column;            /* first column of its controls */
+    uint32_t pose_column;             /* the first of four, if the bone moves */
+    vec3 pivot;                       /* mm: origin of the pose columns */
     bool is_whole;                    /* pull is 1 everywhere */
 } face_field;
 
@@ -28,177 +28,182 @@ typedef struct face_field {
 typedef struct face_grip {
     double share[RIG_BONES_MAX];
     bool belongs[RIG_BONES_MAX];
-    double mobility;  /* its pull is divided by that */
-    double riding;    /* on the jaw, 0..1 */
+    double mobility;  /* divisor of its pull */
+    double riding;    /* share on the jaw, 0..1 */
     vec3 start;       /* mm, bones at rest */
-    uint32_t contact; /* 1 + index; 0: a free point */
-    bool is_dropped;  /* it can move nothing */
+    uint32_t contact; /* 1 + index; 0 for a free point */
+    bool is_dropped;  /* the control can move nothing */
 } face_grip;
 
-/* Of each block of vertices, and of the frame shown last: face_shown.c. */
+/* Data per block of vertices, and of the last frame shown: face_shown.c. */
 typedef struct face_blocks {
-    uint8_t *is_stale;       /* 1: the next frame writes it, whatever changes */
-    uint8_t *is_rest;        /* 1: the origin has the bits of rest there */
-    uint8_t *carrier, *bone; /* the bone that alone moves the block (shading_shape.carrier): in this
-                              * frame, and while no control moves it */
-    float *weight;           /* column capacity by 3: of the last frame; 0 for new columns */
+    uint8_t *is_stale;       /* 1: the next frame must write the block */
+    uint8_t *is_rest;        /* 1: the origin has the bits of the rest shape in the block */
+    uint8_t *carrier, *bone; /* the only bone that moves the block (shading_shape.carrier): in this
+                                frame, and without controls */
+    float *weight;           /* column capacity by 3: from the last frame; 0 for new columns */
     uint64_t *changed;       /* scratch: columns, as columns.mark */
-    uint64_t *of_controls;   /* scratch: the columns of controls with a weight other than 0 */
+    uint64_t *of_controls;   /* scratch: columns of controls with a weight other than 0 */
     rigid pose[RIG_BONES_MAX];
     stamps written;
 } face_blocks;
 
-/* A group of triangles with corners in a block: bits, which vertices they are. */
+/* A group of triangles with corners in a block, and bits for those corner vertices. */
 typedef struct limit_member {
     uint32_t group;
     uint64_t corners;
 } limit_member;
 
-/* How much of the pulls is applied, so that no skin folds or tears: face_limit.c. */
+/* The part of the pulls that is applied, so that no skin folds or tears: face_limit.c. */
 typedef struct face_limit {
-    float (*posed)[4],
-        (*added)[4]; /* of each vertex: its position by the bones alone; what controls add */
+    float (*posed)[4], (*added)[4]; /* of each vertex: its position by the bones alone; the
+                                       displacement by controls */
     const struct strain_loops *loops;
     struct limit_group *group;
     struct limit_patch *patch;     /* of each group */
-    struct strain_shapes *shape;   /* of each group: patch.origin.shape, side by side */
-    uint8_t *known;                /* of each group: limit.h */
-    bool passes_over_nothing;      /* for a test: all groups are measured, whatever bounds say */
+    struct strain_shapes *shape;   /* of each group: patch.origin.shape, contiguous */
+    uint8_t *known;                /* of each group: bits, see limit.h */
+    bool passes_over_nothing;      /* for a test: measures all groups, ignoring the bounds */
     struct limit_carried *carried; /* of each group: see limit_group */
-    uint32_t *block;               /* likewise: of its vertices */
-    uint64_t *corners;             /* of each of those: bits, which vertices are the group's */
-    limit_member *group_of;        /* of each block the groups there, from first_of to the next's */
+    uint32_t *block;               /* the same: blocks of its vertices */
+    uint64_t *corners;             /* of each of those: bits of the group's vertices */
+    limit_member
+        *group_of; /* for each block the groups there, from its first_of to the next one's */
     uint32_t *first_of;
-    struct limit_apart *apart;      /* of each two bones */
+    struct limit_apart *apart;      /* of each pair of bones */
     struct limit_rooms *rooms;      /* face_limit_room.c */
     float turned[RIG_BONES_MAX][9]; /* of each bone: R - I */
-    float *still;                   /* of each vertex: the share that no moving bone carries */
-    uint32_t *bones_around;         /* of each vertex: bits, the main bones of its groups */
+    float *still;                   /* of each vertex: the share of bones that do not move */
+    uint32_t *bones_around;         /* of each vertex: bits of the main bones of its groups */
     float *steepest;   /* for each column of a control and each group: the greatest length of its
                           gradient */
     float *pull_bound; /* of each group: upper bound of the length of the gradient of `bounded` */
     float *change;     /* the part of that bound that the last change of `bounded` added */
-    float *group_strain, *group_flip; /* of each group: upper bounds (strain: also of the gradient's
-                                         size); INFINITY: not known in this pose */
+    float *group_strain, *group_flip; /* of each group: upper bounds (the strain also bounds the
+                                         gradient's size); INFINITY if not known in this pose */
     uint8_t *is_marked;               /* scratch: groups */
     double *bounded;                  /* column capacity by 3 */
     uint32_t *wanted;                 /* scratch: groups */
     uint32_t *candidate,
         candidate_count;            /* triangles that may be bent too far against neighbours */
     uint32_t *harmed, harmed_count; /* groups that the seal, the skull or teeth fold or bend */
-    bool gives_less;                /* pulls gave way to that: pull_bound is not of f->given */
-    float (*slid)[4];               /* of each vertex: where it is shown, in these blocks: */
+    bool gives_less; /* pulls were reduced because of those groups, so pull_bound does not belong to
+                        f->given */
+    float (*slid)[4]; /* of each vertex: its shown position, in the blocks marked by is_slid */
     uint8_t *is_slid;
-    /* Of each of the head's own shapes: as shapes.given, before pulls give way; as tip_share. */
+    /* Of each of the head's own shapes: shapes.given before pulls are reduced; its share, as
+     * tip_share. */
     double *shaped, *shape_share;
-    bool is_pose_known, is_at_rest; /* since the engagement; at rest `posed` is the origin */
-    bool is_begun;                  /* begin_pose has been called for this frame */
-    double *g;                      /* control_capacity by 3: what is given */
-    uint8_t *is_changed;            /* of each block: by a step */
-    uint8_t *is_posed, *is_added;   /* of each block: `posed`, `added` are of this frame */
-    bool is_added_given;            /* `added` is of f->given as it is now */
-    float (*step)[4];               /* clay: by how much each vertex was to move */
-    float (*longest)[3];            /* of each triangle of skin: its edges at rest, mm */
+    bool is_pose_known, is_at_rest; /* since the engagement; at rest `posed` equals the origin */
+    bool is_begun;                  /* begin_pose was called for this frame */
+    double *g;                      /* control_capacity by 3: the pulls that are applied */
+    uint8_t *is_changed;            /* of each block: changed by a step */
+    uint8_t *is_posed, *is_added;   /* of each block: `posed` or `added` belongs to this frame */
+    bool is_added_given;            /* `added` belongs to the current f->given */
+    float (*step)[4];               /* drag: the full step of each vertex */
+    float (*longest)[3];            /* of each triangle of skin: lengths of its edges at rest, mm */
     double *pose_weight;            /* column capacity by 3 */
-    double *asked, *centre, *ridge, *likeness, *strain, *scratch; /* by controls */
-    points shown_before, shown_after; /* clay, before and after a step */
-    float *share;                     /* of each vertex: of a step of clay */
-    double *tip_share;                /* control_capacity: likewise */
+    double *asked, *centre, *ridge, *likeness, *strain, *scratch; /* per control */
+    points shown_before, shown_after; /* drag: the shapes before and after a step */
+    float *share;                     /* of each vertex: its share of a drag step */
+    double *tip_share;                /* control_capacity: the same for tips */
 } face_limit;
 
 /* One of the head's own shapes. */
 typedef struct face_shape {
-    const char *name;        /* of the mesh */
-    uint32_t target, arkit;  /* index into mesh.target; which of ARKit's, or ARKIT_NONE */
-    float dof[MRT_MAX_DOFS]; /* the bones' part of it, at weight 1 */
-    uint32_t bones;          /* bits: those that do */
-    bool follows_bones;      /* its weight follows from how the bones are posed */
-    double bone_square;      /* of their motion, mm^2 */
+    const char *name;        /* name in the mesh */
+    uint32_t target, arkit;  /* index in mesh.target; index of ARKit's shape, or ARKIT_NONE */
+    float dof[MRT_MAX_DOFS]; /* the part that bones do, at weight 1 */
+    uint32_t bones;          /* bits of those bones */
+    bool follows_bones;      /* its weight follows from the pose of the bones */
+    double bone_square;      /* sum of squares of the bones' motion, mm^2 */
     double purity;           /* 0..1: the share of its sum of squares that bones explain */
     double size_mm;          /* root mean square over the skin */
-    uint32_t needs[2];       /* a corrective: 1 + the shapes that it corrects; 0: none */
+    uint32_t needs[2];       /* for a corrective: 1 + the shapes that it corrects; 0 for none */
 } face_shape;
 
 /* The share of a shape that a bone carries: columns for x, y and z. */
 typedef struct face_shape_part {
-    uint32_t shape, carrier; /* carrier: a bone that moves; RIG_BONES_MAX: all that do not */
+    uint32_t shape, carrier; /* carrier: a bone that moves; RIG_BONES_MAX for all that do not */
     uint32_t column;
 } face_shape_part;
 
-/* The head's own shapes: face_shapes.c. The columns come first, before those of controls. */
+/* The head's own shapes: face_shapes.c. Their columns come before those of controls. */
 typedef struct face_shapes {
-    const mesh *m; /* whose */
+    const mesh *m; /* the mesh that they belong to */
     face_shape *shape;
     face_shape_part *part;
     uint32_t count, part_count;
-    double amount; /* 0..1: how far shapes answer pulls; 0: not at all, as clay */
+    double amount; /* 0..1: strength with which shapes answer pulls; 0: not at all, as clay */
     double dof_mm[MRT_MAX_DOFS];
-    bool covers[MRT_MAX_DOFS];   /* some shape moves it */
-    bool derives[RIG_BONES_MAX]; /* pulls may pose it, as skin rides on it */
-    uint32_t speaks_of, rides;   /* bits: the bones that shapes move; those that controls ride on */
-    double *weight;              /* of the frame; the next solve starts there */
-    double *asked;    /* lower bounds, by face_ask_shapes; 0 for shapes that follow bones */
-    double *at;       /* shapes by control_capacity by 3: at the controls, mm */
-    double *whole;    /* likewise, with the bones that follow */
+    bool covers[MRT_MAX_DOFS];   /* some shape moves this degree of freedom */
+    bool derives[RIG_BONES_MAX]; /* pulls may pose this bone, since skin rides on it */
+    uint32_t speaks_of, rides;   /* bits: bones that shapes move; bones that controls ride on */
+    double *weight;              /* weights of the frame; the next solve starts there */
+    double *asked;    /* lower bounds from face_ask_shapes; 0 for shapes that follow bones */
+    double *at;       /* shapes by control_capacity by 3: offsets at the controls, mm */
+    double *whole;    /* the same, including the bones that follow */
     uint32_t derived; /* bits: the bones that followed when `whole` was computed */
-    double *h, *few, *b, *low, *high, *y, *left, *scratch; /* shape_solve.h; few: of b */
+    double *h, *few, *b, *low, *high, *y, *left, *scratch; /* see shape_solve.h; few: part of b */
     double *given,
-        *strain;         /* face_limit.c: the applied share of each shape, and its excess strain */
-    float *learnt;       /* scratch of loading, freed when the columns are filled */
-    float (*longest)[3]; /* of each triangle of skin: its edges in any shape, mm */
+        *strain;   /* face_limit.c: the applied share of each shape, and its excess strain */
+    float *learnt; /* scratch of loading, freed after the columns are filled */
+    float (
+        *longest)[3]; /* of each triangle of skin: greatest length of its edges in any shape, mm */
 } face_shapes;
 
-/* The seal of the lips: face_lips.c. Stations as of bind_lips; rows of 3 are mm. */
+/* The seal of the lips: face_lips.c. Stations as in bind_lips; rows of 3 are mm. */
 typedef struct face_lips {
-    uint32_t count;      /* of stations; 0: the face has no seal */
-    uint32_t carrier;    /* the bone that the slit's axes turn with */
-    uint32_t middle;     /* the station halfway */
-    uint32_t *slot;      /* 4 a station: the ends of its edge of the upper rim, then of the lower */
-    double *along;       /* 2 a station: how far along these edges it is */
-    double *rest;        /* count by 3: of the upper rim */
-    double *floor_mm;    /* by how much the rims cross at rest; <= 0 */
-    double *open_mm;     /* how far they are apart at rest */
+    uint32_t count;   /* number of stations; 0 if the face has no seal */
+    uint32_t carrier; /* the bone that turns the axes of the slit */
+    uint32_t middle;  /* the station in the middle */
+    uint32_t *slot;   /* 4 per station: the ends of its edge of the upper rim, then of the lower */
+    double *along;    /* 2 per station: its position along these edges */
+    double *rest;     /* count by 3: of the upper rim */
+    double *floor_mm; /* the negative depth by which the rims cross at rest; 0 if they do not */
+    double *open_mm;  /* distance of the rims at rest */
     double *from_corner; /* 0 at the corners .. 1 in the middle */
-    columns columns;     /* one a station: how far a correction of 1 moves each vertex */
-    uint8_t *reaches;    /* of each block: 1 where the seal can move vertices */
-    uint32_t *group, group_count; /* of face_limit: with triangles that it can move, ascending */
-    uint32_t *block, block_count; /* with vertices of these groups, ascending */
-    float *at_slot;               /* column capacity by slots: the face's columns there */
+    columns columns;     /* one per station: how far a correction of 1 moves each vertex */
+    uint8_t *reaches;    /* of each block: 1 if the seal can move vertices */
+    uint32_t *group,
+        group_count; /* groups of face_limit with triangles that it can move, ascending */
+    uint32_t *block, block_count; /* blocks with vertices of these groups, ascending */
+    float *at_slot;   /* column capacity by slots: values of the face's columns at the slots */
     float *steepest;  /* of each station and each of these groups: the greatest length of the
-                         gradient  of the sum of the columns from that station on */
-    float *steepness; /* scratch: of each of these groups: upper bound of that of the seal */
+                         gradient of the sum of the columns from that station on */
+    float *steepness; /* scratch: of each of these groups: bound of the seal's gradient */
 
-    double *x, *y, *z;     /* scratch: of each slot: where bones and pulls bring it */
+    double *x, *y, *z;     /* scratch: of each slot: its position by bones and pulls */
     double *upper, *lower; /* scratch: count by 3: the rims */
-    double *correction;    /* count by 3: what the seal adds to upper - lower */
-    float *shown;          /* likewise, in the frame shown last */
-    bool is_meeting;       /* some correction is not 0 */
+    double *correction;    /* count by 3: the seal's contribution to upper - lower */
+    float *shown;          /* the same in the last frame shown */
+    bool is_meeting;       /* at least one correction is not 0 */
 
-    /* face_limit.c: how much of the seal is applied, so that it folds nothing */
-    double share, share_near;       /* everywhere, and as far as `near` says */
+    /* face_limit.c: the part of the seal that is applied, so that it folds nothing */
+    double share, share_near;       /* everywhere; near the stations, weighted by `near` */
     double *near;                   /* of each station, 0..1 */
-    float (*bare)[4], (*sealed)[4]; /* of each vertex of these blocks, while rims meet: where it is
+    float (*bare)[4], (*sealed)[4]; /* of each vertex of these blocks, while rims meet: its position
                                        without and with the seal */
 } face_lips;
 
 /* The tongue behind the lips: face_tongue.c. */
 typedef struct face_tongue {
-    uint32_t bone;    /* RIG_NONE: none that could come out between lips */
-    double free_rad;  /* how far out it is behind them all the same */
-    double height_mm; /* of what is before them all the way out */
+    uint32_t bone;    /* RIG_NONE if no tongue can come out between the lips */
+    double free_rad;  /* greatest turn at which its tip is still behind the lips */
+    double height_mm; /* height of the part in front of the lips at its greatest turn */
 } face_tongue;
 
 struct face {
-    arrays arrays;  /* owns all arrays here but those marked otherwise */
-    const rig *rig; /* or NULL */
+    arrays arrays;  /* owner of all arrays here, except those that face_destroy frees one by one */
+    const rig *rig; /* may be NULL */
     binding binding;
     bones bones;
     projection projection;
     points_order order;
     points rest, base, shown;
-    points free;          /* unanchored: the shape with its bones at rest */
-    const points *origin; /* the shape that the columns are added to: base or free */
-    points before;        /* drag: the shape before, restored on an error */
+    points free;          /* unanchored mode: the shape with its bones at rest */
+    const points *origin; /* base or free: the shape that the columns are added to */
+    points before;        /* drag: the previous shape, restored on an error */
     float *mobility;      /* padded_count */
     face_blocks blocks;
 
@@ -211,25 +216,25 @@ struct face {
     columns columns;
     bool wants_shapes;
     face_shapes shapes;
-    uint32_t shape_column_count;   /* those of shapes, which stay */
-    uint32_t control_column_count; /* those of shapes and controls, before those of bones */
-    bool is_pose_noted;            /* the columns are those of bones alone, noted, and 0 where no
-                                    * vertex is carried */
-    double *weight, *next_weight;  /* column capacity by 3: as the solve wants them */
-    double *given; /* the weights of the shape shown: reduced where skin would fold or tear */
-    bool is_given; /* `given` has been computed from `weight` */
-    bool is_held;  /* and is less than it */
+    uint32_t shape_column_count;   /* columns of shapes, which stay */
+    uint32_t control_column_count; /* columns of shapes and controls, followed by those of bones */
+    bool is_pose_noted; /* the columns are only those of bones, are noted, and are 0 in blocks that
+                           no bone carries */
+    double *weight, *next_weight; /* column capacity by 3: result of the solve */
+    double *given; /* weights of the shape shown: reduced where skin would fold or tear */
+    bool is_given; /* `given` was computed from `weight` */
+    bool is_held;  /* `given` is less than `weight` */
 
     csrbf_settings settings; /* of the engagement */
     uint32_t control_capacity, control_count;
-    face_grip *grip, *next_grip; /* control_capacity; next: drag and engage */
+    face_grip *grip, *next_grip; /* control_capacity; next: for drag and engage */
     points grip_position;        /* control_capacity: the starts, for `cross` */
-    float *cross;                /* a row for each control column: its value at the starts */
+    float *cross;                /* one row per control column: its values at the starts */
     matrix3x3 *rotation;         /* control_capacity: scratch of a frame */
     double *g, *position, *scratch, *gain; /* control_capacity by 3, gain by 1 */
     double *tip, *step, *pull, *from, *to; /* drag: control_capacity by 3 */
 
-    float dof[MRT_MAX_DOFS]; /* as asked for or derived, not limited */
+    float dof[MRT_MAX_DOFS]; /* as requested or derived, before limits */
     rigid pose[RIG_BONES_MAX];
     face_meter meter;
     uint32_t engagement;
@@ -245,111 +250,114 @@ struct face {
 
 /* ---- face_grip.c ---- */
 
-/* What holds at `at` (mm, in the shape shown), at a contact or (0) at the nearest vertex. */
+/* Fills a grip at `at` (mm, in the shape shown): at a contact, or at the nearest vertex if contact
+ * is 0. */
 void face_grip_at(face_grip *out, const face *f, vec3 at, uint32_t contact);
-/* Lists each field's controls and gives them columns. */
+/* Lists each field's controls and assigns their columns. */
 void face_assign(face *f, const face_grip *grip, uint32_t count);
 blend face_blend_at(const face *f, const face_grip *grip, const rigid *pose);
-/* sum of the shares of the bones that it belongs to */
+/* Returns the sum of the shares of the bones that the grip belongs to. */
 double face_share_held(const face *f, const face_grip *grip);
 
 /* ---- face.c ---- */
 
-/* The shape shown with its bones at rest: origin and what the controls add; out may be f->base or
- * f->free. Leaves the projection out. */
+/* Computes the shape shown with its bones at rest: the origin plus the controls' displacement,
+ * without the projection. out may be f->base or f->free. */
 void face_bake(face *f, points *out);
-/* The columns of the moving bones over the origin, behind those of the controls; notes all. */
+/* Computes the columns of the moving bones over the origin, after those of the controls. Notes all
+ * columns. */
 void face_pose_columns(face *f);
-/* weight: those of the bones for these poses, behind the first control_column_count. */
+/* Computes the bones' weights for these poses; they follow the first control_column_count
+ * weights. */
 void face_pose_weights(face *f, double *weight, const rigid *pose);
-/* The same of one bone that moves. */
+/* The same for one moving bone. */
 void face_weigh_bone(const face *f, double *weight, uint32_t bone, const rigid *pose);
-/* Some bone that moves is not at rest. */
+/* Returns true if some moving bone is not at rest. */
 bool face_is_posed(const face *f);
-/* Puts the dofs and poses of a frame in force. */
+/* Makes the dofs and poses of a frame current. */
 void face_take_pose(face *f, const float *dof, const rigid *pose);
 
 /* ---- face_engage.c ---- */
 
-/* Factors the fields at the assigned grips and finds their columns over the base. */
+/* Factors the fields at the assigned grips and computes their columns over the base. */
 CHECKED mrt_result face_hold(face *f, error *err);
 
 /* ---- face_frame.c ---- */
 
-/* The degrees of freedom to pose: driven ones as given, the jaw derived from the controls that ride
- * on it. end NULL: none does. */
+/* Computes the degrees of freedom to pose: driven ones as given, the jaw derived from the controls
+ * that ride on it. end NULL: no control. */
 CHECKED mrt_result face_resolve_dofs(face *f, float *out, const float *dof, const double *end,
                                      error *err);
 
-/* ---- face_shapes.c: with no shapes all of these do nothing ---- */
+/* ---- face_shapes.c: without shapes all of these do nothing ---- */
 
-/* Learns the shapes; and fills their columns once these are allocated. */
+/* Analyses the shapes. face_shapes_fill fills their columns once these are allocated. */
 CHECKED mrt_result face_shapes_create(face *f, const mesh *m, error *err);
 void face_shapes_fill(face *f);
-/* After an engagement: what the shapes do at the controls. */
+/* Computes the effect of the shapes at the controls. Call after an engagement. */
 void face_shapes_engage(face *f);
-/* The weights of a frame; resolved: the degrees of freedom, in and out. */
+/* Computes the weights of a frame. resolved: the degrees of freedom, in and out. */
 void face_shapes_solve(face *f, float *resolved, const float *dof, const double *end);
-/* Without pulls: the weights that follow from the bones. */
+/* Computes the weights that follow from the bones, without pulls. */
 void face_shapes_settle(face *f, const float *dof);
-/* With the bones at rest: what the shapes add at a control; the part of that which face_limit.c
- * takes away; and the part that follows from the bones alone, at a control for these degrees of
- * freedom or at a vertex. */
+/* Offsets by the shapes with the bones at rest. _at: at a control. _missing: the part of it that
+ * face_limit.c removes. _led: the part that follows from the bones alone, at a control for these
+ * degrees of freedom, or at a vertex. */
 vec3 face_shapes_at(const face *f, uint32_t control);
 vec3 face_shapes_missing(const face *f, uint32_t control);
 vec3 face_shapes_led_at(const face *f, uint32_t control, const float *dof);
 vec3 face_shapes_led_slot(const face *f, uint32_t slot);
-/* Sets the weights of the shapes' columns; takes off what follows from the bones; and makes
+/* Sets the weights of the shapes' columns; removes the part that follows from the bones; computes
  * f->given from f->weight. */
 void face_shapes_weigh(const face *f, double *weight, const rigid *pose);
 void face_shapes_unlead(const face *f, double *weight);
 void face_shapes_give(face *f);
 bool face_shapes_weigh_something(const face *f);
-bool face_shapes_are_held(const face *f); /* some are reduced */
+bool face_shapes_are_held(const face *f); /* true if some are reduced */
 const char *face_shapes_column_name(const face *f, uint32_t column, uint32_t *out_carrier);
 
-/* ---- face_lips.c: where lips cannot be sealed all of these do nothing ---- */
+/* ---- face_lips.c: if the lips cannot be sealed all of these do nothing ---- */
 
 CHECKED mrt_result face_lips_create(face *f, error *err);
 void face_lips_destroy(face *f);
-/* Called when the columns have changed. */
+/* Call when the columns have changed. */
 void face_lips_engage(face *f);
-/* Finds the corrections for f->given and the pose; strength: 0..1 of lips.seal. */
+/* Computes the corrections for f->given and the pose; strength: value of lips.seal, 0..1. */
 void face_lips_meet(face *f, double strength);
 /* Updates lips.steepness to the corrections. */
 void face_lips_bound(face *f);
-/* Takes all corrections away. */
+/* Sets all corrections to 0. */
 void face_lips_part(face *f);
-/* sum += what the seal adds in the block. */
+/* Adds the displacement by the seal in the block to sum. */
 void face_lips_sum(const face *f, float sum[3][POINTS_BLOCK], uint32_t block);
-/* Whether the corrections differ from those shown last; they are those from now on. */
+/* Returns whether the corrections differ from those last shown, and stores them as shown. */
 bool face_lips_show(face *f);
 
-/* The gap between the rims in the middle of the slit, in the current shape. */
+/* Returns the gap between the rims in the middle of the slit, in the current shape. */
 double face_lips_open_mm(face *f);
 
 /* ---- face_tongue.c ---- */
 
 void face_tongue_create(face *f);
-/* Called when f->given and the lips of a frame are known: turns the tongue back behind them. */
+/* Turns the tongue back behind the lips. Call when f->given and the lips of a frame are known. */
 void face_tongue_hold(face *f);
 
 /* ---- face_limit.c ---- */
 
 CHECKED mrt_result face_limit_create(face *f, error *err);
-/* Called when the columns have changed. */
+/* Call when the columns have changed. */
 void face_limit_engage(face *f);
-/* f->given := f->weight, reduced near where the skin would fold or tear; sets held_back_mm. A
- * function of f->weight, the pose and the engagement alone. */
+/* Sets f->given to f->weight, reduced near places where the skin would fold or tear. Sets
+ * held_back_mm. Depends only on f->weight, the pose and the engagement. */
 void face_limit_pull(face *f);
-/* Called when f->given is shown. Where skin that was pushed aside by what lies under it folds,
- * pulls give way, and the face is written again. */
+/* Call when f->given is shown. Where skin folds that the skull or teeth pushed aside, reduces the
+ * pulls and writes the face again. */
 void face_limit_slide(face *f);
-/* After face_limit_pull on a face with shapes: whether it has summed a block, and that sum of all
- * columns but those of bones, so that it need not be computed again. */
+/* After face_limit_pull on a face with shapes: whether it has summed a block. face_limit_added
+ * copies that sum, of all columns except those of bones, so that it is not computed twice. */
 bool face_limit_knows(const face *f, uint32_t block);
 void face_limit_added(const face *f, float sum[3][POINTS_BLOCK], uint32_t block);
-/* How many times its length at rest an edge may have. */
+/* Returns the greatest length of an edge over its length at rest. */
 double face_stretch_most(const csrbf_settings *settings);
 
 /* ---- face_shown.c ---- */
@@ -357,23 +365,24 @@ double face_stretch_most(const csrbf_settings *settings);
 CHECKED mrt_result face_shown_create(face *f, error *err);
 /* Writes the blocks that f->given, the pose and the seal change. */
 void face_write(face *f);
-/* Called when a block of the origin, or of the next origin, has been written. */
+/* Call when a block of the origin, or of the next origin, has been written. */
 void face_touch(face *f, uint32_t block, const points *origin);
 void face_touch_all(face *f);
 /* The same for all blocks in which `now` differs from `before`. */
 void face_touch_changed(face *f, const points *now, const points *before);
-/* Called before the columns change. */
+/* Call before the columns change. */
 void face_forget_columns(face *f);
-/* Some of the columns are not zero all over the block; some: as columns.mark. */
+/* Returns true if at least one of the columns is not 0 everywhere in the block; some: as
+ * columns.mark. */
 bool face_reaches(const columns *c, const uint64_t *some, uint32_t block);
-/* Shows the rest shape with its bones at rest; the origin must be the rest shape already. */
+/* Shows the rest shape with its bones at rest. The origin must already be the rest shape. */
 void face_show_rest(face *f);
 
 /* ---- face_skin.c ---- */
 
-/* The normal of a triangle, as long as twice its area. */
+/* Returns the normal of a triangle, with the length of twice its area. */
 vec3 face_skin_area(const points *p, const uint32_t *corner);
-/* The same at rest, rotated as the bones alone rotate it: by the mean weights of its corners. */
+/* The same at rest, rotated by the bones alone, with the mean weights of its corners. */
 vec3 face_skin_along(const face *f, const uint32_t *corner);
 CHECKED mrt_result face_skin_create(face *f, const mesh *m, error *err);
 

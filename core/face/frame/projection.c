@@ -6,10 +6,11 @@
 
 enum { FLOOR_PASSES = 6 };
 static const double floor_part = 0.4, floor_most_mm = 2.0, band_most_mm = 3.0;
-static const double size_most = 1e3; /* of q: floats take it to its 8th power */
+static const double size_most = 1e3; /* bound of q, since floats take it to its 8th power */
 static const double teeth_band_most_mm = 4.0, teeth_apart_mm = 0.5, teeth_kept = 0.3;
-static const float pushed_least_mm = 0.02f; /* less folds nothing */
-static const float part_least = 1e-6f; /* 1e-4 mm at 100 mm from the centre: less is not moved */
+static const float pushed_least_mm = 0.02f; /* smaller motions fold nothing */
+static const float part_least =
+    1e-6f; /* 1e-4 mm at 100 mm from the centre: smaller motions are dropped */
 
 static proxy_frame frame_of(const rig_proxy *proxy, const rigid *pose)
 {
@@ -59,7 +60,8 @@ static vec3 scaled(const proxy_frame *f, vec3 x)
     return (vec3){q[0], q[1], q[2]};
 }
 
-/* The size of q, and the way to x from where it is pushed away from, mm; level: of teeth, 1 / w. */
+/* Returns the size of q. out_way: vector to x from the point that x is pushed away from, mm; level:
+ * 1 / w for teeth. */
 static double scaled_size(const proxy_frame *f, vec3 x, double level, vec3 *out_way)
 {
     vec3 q = scaled(f, x), way = vec3_sub(x, f->centre);
@@ -78,11 +80,12 @@ static double scaled_size(const proxy_frame *f, vec3 x, double level, vec3 *out_
 
 typedef struct block_sizes {
     float squared[POINTS_BLOCK]; /* |q|^2 */
-    /* Of teeth: the part of the level way that is beyond the core; the way up, mm. */
+    /* For teeth: the part of the level vector that is beyond the core; the vertical component,
+     * mm. */
     float beyond[POINTS_BLOCK], up_mm[POINTS_BLOCK];
 } block_sizes;
 
-/* False: no vertex of the block is lower than at rest. */
+/* Returns false if no vertex of the block is lower than at rest. */
 static bool measure_block(block_sizes *out, const proxy_frame *f, const projection_block *b,
                           const points *shown)
 {
@@ -105,7 +108,7 @@ static bool measure_block(block_sizes *out, const proxy_frame *f, const projecti
     return below != 0;
 }
 
-/* The same of teeth. */
+/* The same for teeth. */
 static bool measure_teeth(block_sizes *out, const proxy_frame *f, const projection_block *b,
                           const points *shown)
 {
@@ -137,11 +140,14 @@ static bool measure_teeth(block_sizes *out, const proxy_frame *f, const projecti
     return below != 0;
 }
 
-typedef enum easing { EASED = 0, FLOORED } easing; /* FLOORED: out of other ellipsoids' way only */
+typedef enum easing {
+    EASED = 0,
+    FLOORED
+} easing; /* FLOORED: only moves vertices out of other ellipsoids */
 
-/* part: by how much of its distance from the centre each vertex is moved away from it; sunk: the
- * same as far as its floor, negative above. Every lane is computed, whatever comes of it: so the
- * loop runs on whole vectors. */
+/* Eases a block. part: how far each vertex moves away from the centre, as a share of its distance.
+ * sunk: the same up to its floor only, negative above it. Computes every lane, even if unused, so
+ * that the loop runs on whole vectors. */
 static void ease_block(float *restrict part, float *restrict sunk, const block_sizes *sizes,
                        const projection_block *b, easing rule)
 {
@@ -168,7 +174,7 @@ static void move_away(float *restrict x, const float *restrict part, float centr
     }
 }
 
-/* The same from the nearest point of the core of a row of teeth. */
+/* The same, away from the nearest point of the core of a row of teeth. */
 static void move_from_core(float *restrict x, const float *restrict part,
                            const block_sizes *restrict sizes, float centre, float up)
 {
@@ -213,7 +219,7 @@ static double deepest_mm(const proxy_frame *f, const float *sunk, const points *
     return deepest;
 }
 
-/* left: vertices from the block's first on; beyond are copies of the last. */
+/* left: number of vertices from the block's first one on; further slots are copies of the last. */
 static uint32_t count_moved(const float *part, uint32_t left)
 {
     uint32_t moved = 0;
@@ -222,14 +228,14 @@ static uint32_t count_moved(const float *part, uint32_t left)
     return moved;
 }
 
-/* Returns how many vertices it moved. */
+/* Returns how far |at| exceeds reach, or 0. */
 static float past(float at, float reach)
 {
     float left = fabsf(at) - reach;
     return left > 0.0f ? left : 0.0f;
 }
 
-/* Whether the bounds of the block show that no vertex of it is within its band. */
+/* Returns true if the bounds of the block show that no vertex of it is within its band. */
 static bool is_clear(const proxy_frame *f, const projection_block *b, const points *shown)
 {
     const points_bounds *box = &shown->block[b->block];
@@ -250,7 +256,7 @@ static bool is_clear(const proxy_frame *f, const projection_block *b, const poin
     return size > b->most_inside;
 }
 
-/* What it did; moved_count 0: nothing. pushed: of the block, or NULL. */
+/* Projects a block. moved_count is 0 if nothing moved. pushed: bits of the block, or NULL. */
 static projection_done project_block(const proxy_frame *f, const projection_block *b, points *shown,
                                      easing rule, uint64_t *pushed)
 {
@@ -281,7 +287,8 @@ static projection_done project_block(const proxy_frame *f, const projection_bloc
     return done;
 }
 
-/* The proxies of the block, in turn. Returns by which one it was moved last: 1 + index; 0: none. */
+/* Applies the proxies of the block in turn. Returns 1 + index of the last proxy that moved it, or
+ * 0. */
 static uint32_t ease_in_turn(const projection *p, const proxy_frame *frame, points *shown,
                              uint32_t first, uint32_t end, projection_done *done, uint64_t *pushed)
 {
@@ -297,8 +304,8 @@ static uint32_t ease_in_turn(const projection *p, const proxy_frame *frame, poin
     return moved_by;
 }
 
-/* Puts back onto each floor what another proxy has pushed below it; returns who did so last, or
- * moved_by: there was nothing. */
+/* Moves vertices that another proxy has pushed below a floor back onto it. Returns 1 + index of the
+ * last proxy that did so, or moved_by if there was none. */
 static uint32_t floor_in_turn(const projection *p, const proxy_frame *frame, points *shown,
                               uint32_t first, uint32_t end, uint32_t moved_by, bool *out_any,
                               uint64_t *pushed)
@@ -315,8 +322,8 @@ static uint32_t floor_in_turn(const projection *p, const proxy_frame *frame, poi
     return moved_by;
 }
 
-/* done: of all blocks and proxies, pushed: of the block; or NULL. True: some vertex has moved.
- */
+/* done: of all blocks and proxies; pushed: of the block; both may be NULL. Returns true if some
+ * vertex has moved. */
 static bool apply(const projection *p, const proxy_frame *frame, points *shown, uint32_t block,
                   projection_done *done, uint64_t *pushed)
 {
@@ -417,9 +424,9 @@ double projection_depth_mm(const projection *p, const points *shown, const rigid
     return deepest;
 }
 
-/* ---- made from a rig ---- */
+/* ---- creation from a rig ---- */
 
-/* Of teeth the floor is in the width. */
+/* Computes floor and band of a vertex. The floor of teeth is part of the width. */
 static void fill_vertex(projection_block *out, size_t lane, double height, double mm_per_height,
                         rig_proxy_kind kind)
 {
@@ -432,7 +439,7 @@ static void fill_vertex(projection_block *out, size_t lane, double height, doubl
     double edge = 1.0 + lowest + band;
     out->floor[lane] = (float)lowest;
     out->band[lane] = (float)band;
-    /* Less by what float may get wrong: the easing is flat there. */
+    /* Reduced by the rounding of float, since the easing is flat there. */
     out->inside[lane] = (float)(edge * edge * (1.0 - 8e-6));
 }
 
@@ -443,7 +450,7 @@ static double smoothstep(double low, double high, double x)
     return t * t * (3.0 - 2.0 * t);
 }
 
-/* 1 / w of a row of teeth; size_most: it is left alone. */
+/* Returns 1 / w for a row of teeth, or size_most for a vertex that is never moved. */
 static double level_of(const proxy_frame *f, vec3 rest)
 {
     const vec3 q = scaled(f, rest), way = vec3_sub(rest, f->centre);
@@ -453,14 +460,14 @@ static double level_of(const proxy_frame *f, vec3 rest)
     double width = depth + teeth_kept * fmax(out - 1.0, 0.0);
     double apart = 1.0 + teeth_apart_mm * out / (depth * fmax(level_mm, 1e-6));
     double left = to_8(apart) - to_8(q.y);
-    if (left > 0.0) /* with that it is `apart` at rest */
+    if (left > 0.0) /* with this w its size at rest is `apart` */
         width = fmin(width, fmax(out - f->core, 0.0) / root_8(left));
     width *= smoothstep(-0.5, 0.0, q.z / fmax(out, 1e-6));
     width *= 1.0 - smoothstep(0.2, 0.6, (1.0 - out) / depth);
     return 1.0 / fmax(width, 1.0 / size_most);
 }
 
-/* False: no vertex of the block is in reach. */
+/* Returns false if no vertex of the block is in reach. */
 static bool fill_block(projection_block *out, const proxy_frame *f, const points *rest,
                        const float *mobility)
 {
@@ -497,9 +504,7 @@ static mrt_result check_proxy(const rig *r, uint32_t proxy, error *err)
     if (sound)
         return MRT_OK;
     return error_set(err, MRT_ERR_FORMAT,
-                     "skull_proxy %u: expected an ellipsoid on a bone with radii of at least "
-                     "0.001 mm",
-                     proxy);
+                     "skull_proxy %u: expected a bone and radii of at least 0.001 mm", proxy);
 }
 
 mrt_result projection_create(projection *out, const rig *r, const points *rest,
@@ -509,7 +514,8 @@ mrt_result projection_create(projection *out, const rig *r, const points *rest,
     if (!r || r->proxy_count == 0)
         return MRT_OK;
     if (r->proxy_count > PROJECTION_PROXIES_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%u skull proxies: at most %d are possible",
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "the rig has %u skull proxies, but at most %d are supported",
                          r->proxy_count, PROJECTION_PROXIES_MAX);
     rigid still[RIG_BONES_MAX];
     for (int b = 0; b < RIG_BONES_MAX; ++b)

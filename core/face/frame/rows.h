@@ -1,5 +1,5 @@
-/* face/frame/rows.h - vertices as rows of four floats, and four of them at a time as vectors: where
- * vertices are looked up one by one a row is one load. Inside the room. */
+/* face/frame/rows.h - vertices as rows of four floats, and vectors of four floats. One load gets a
+ * vertex, which is fast for random access. Private to this folder. */
 #ifndef MAROTTE_FACE_ROWS_H
 #define MAROTTE_FACE_ROWS_H
 #include <string.h>
@@ -18,7 +18,7 @@ static inline void rows_store(float *to, rows_four from)
     memcpy(to, &from, sizeof from);
 }
 
-/* Four rows become four columns. */
+/* Transposes four rows. */
 static inline void rows_transpose(rows_four r[4])
 {
     const rows_four low_01 = __builtin_shufflevector(r[0], r[1], 0, 4, 1, 5),
@@ -31,7 +31,7 @@ static inline void rows_transpose(rows_four r[4])
     r[3] = __builtin_shufflevector(high_01, high_23, 2, 3, 6, 7);
 }
 
-/* Four vertices of three streams as rows; the fourth number is 0. */
+/* Converts four vertices of three streams to rows; the fourth number is 0. */
 static inline void rows_from(rows_four out[4], const float *x, const float *y, const float *z)
 {
     out[0] = rows_load(x);
@@ -41,7 +41,7 @@ static inline void rows_from(rows_four out[4], const float *x, const float *y, c
     rows_transpose(out);
 }
 
-/* The reverse. */
+/* Converts rows to streams. */
 static inline void rows_into(float *x, float *y, float *z, const float (*row)[4])
 {
     rows_four r[4] = {rows_load(row[0]), rows_load(row[1]), rows_load(row[2]), rows_load(row[3])};

@@ -4,7 +4,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-static const double settled = 1e-7; /* of a weight */
+static const double settled = 1e-7; /* step of a weight below which the solve ends */
 static const double pivot_least = 1e-12;
 
 static double clamped(double value, double low, double high)
@@ -12,7 +12,7 @@ static double clamped(double value, double low, double high)
     return value < low ? low : (value > high ? high : value);
 }
 
-/* slope += by * row i of H. */
+/* Adds `by` times row i of H to slope. */
 static void add_row(double *restrict slope, const shape_problem *p, uint32_t i, double by)
 {
     const double *restrict row = p->h + (size_t)i * p->count;
@@ -20,7 +20,7 @@ static void add_row(double *restrict slope, const shape_problem *p, uint32_t i, 
         slope[j] += by * row[j];
 }
 
-/* H w - b */
+/* Computes the gradient H w - b. */
 static void find_slope(double *slope, const double *w, const shape_problem *p)
 {
     for (uint32_t i = 0; i < p->count; ++i)
@@ -30,7 +30,7 @@ static void find_slope(double *slope, const double *w, const shape_problem *p)
             add_row(slope, p, i, w[i]);
 }
 
-/* Each weight in turn to where it is best alone. Returns the greatest step. */
+/* Sets each weight in turn to its own optimum. Returns the greatest step. */
 static double sweep(double *w, double *slope, const shape_problem *p)
 {
     double greatest = 0.0;
@@ -47,7 +47,7 @@ static double sweep(double *w, double *slope, const shape_problem *p)
     return greatest;
 }
 
-/* Cholesky of the rows and columns of H that are free, and the step -H^-1 slope of them. */
+/* Factors the free rows and columns of H by Cholesky. Computes the step -H^-1 slope for them. */
 static bool newton(double *step, double *factor, const uint32_t *free, uint32_t count,
                    const double *slope, const shape_problem *p)
 {
@@ -79,7 +79,7 @@ static bool newton(double *step, double *factor, const uint32_t *free, uint32_t 
     return true;
 }
 
-/* All free weights at once, as far as the first bound on the way. */
+/* Moves all free weights together, up to the first bound on the way. */
 static void step_free(double *w, double *slope, const shape_problem *p, double *scratch)
 {
     uint32_t free[SHAPE_SOLVE_FREE_MAX], count = 0;
@@ -93,7 +93,7 @@ static void step_free(double *w, double *slope, const shape_problem *p, double *
     }
     if (count < 2 || !newton(step, factor, free, count, slope, p))
         return;
-    uint32_t first = count; /* to come to a bound */
+    uint32_t first = count; /* the first weight that reaches a bound */
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t at = free[i];
         double room = step[i] > 0.0 ? p->high[at] - w[at] : w[at] - p->low[at];

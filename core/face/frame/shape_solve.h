@@ -1,8 +1,8 @@
-/* face/frame/shape_solve.h - how much of each shape explains what is asked for: least squares
- * between bounds. Minimises 1/2 w' H w - b' w over low <= w <= high by coordinate descent and
- * Newton steps on the weights that are free, from the weights of the frame before on. Leaves out
- * where H and b come from (face_shapes.c). Inside the room. Pure: a fixed order of sums and a fixed
- * bound of rounds, so the same input gives the same bits. [frame] */
+/* face/frame/shape_solve.h - the weights of shapes that explain given motions: least squares with
+ * bounds. Minimises 1/2 w' H w - b' w over low <= w <= high. The method is coordinate descent with
+ * Newton steps on the free weights, starting at the weights of the frame before. Leaves out how H
+ * and b are made (face_shapes.c). Private to this folder. Pure: a fixed order of sums and a fixed
+ * maximum of rounds, so that the same input gives the same bits. [frame] */
 #ifndef MAROTTE_FACE_SHAPE_SOLVE_H
 #define MAROTTE_FACE_SHAPE_SOLVE_H
 #include <stddef.h>
@@ -15,14 +15,13 @@ typedef struct shape_problem {
     uint32_t count;
 } shape_problem;
 
-/* More free weights than that are left to coordinate descent alone. */
+/* Above this number of free weights only coordinate descent is used. */
 enum { SHAPE_SOLVE_FREE_MAX = 64, SHAPE_SOLVE_ROUNDS = 24 };
 #define SHAPE_SOLVE_SCRATCH(count)                                                                 \
     (2 * (size_t)(count) + (size_t)SHAPE_SOLVE_FREE_MAX * (SHAPE_SOLVE_FREE_MAX + 2))
 
-/* w: count, in and out; what is beyond the bounds is brought within them first. scratch:
- * SHAPE_SOLVE_SCRATCH. Returns how many rounds it took; SHAPE_SOLVE_ROUNDS: it may not be the
- * least yet. */
+/* w: count, in and out; values outside the bounds are first clamped. scratch: SHAPE_SOLVE_SCRATCH.
+ * Returns the number of rounds; with SHAPE_SOLVE_ROUNDS the minimum may not be reached. */
 uint32_t shape_solve(double *w, const shape_problem *p, double *scratch);
 
 #endif

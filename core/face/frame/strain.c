@@ -49,10 +49,10 @@ static float dot(const float *a, const float *b)
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Of (e1 + s d1) x (e2 + s d2) . n = area + slope s + bend s^2. */
+/* Coefficients of (e1 + s d1) x (e2 + s d2) . n = area + slope s + bend s^2. */
 typedef struct fold_way {
     float area, slope, bend;
-    float room; /* of the area, what may be lost; not above 0: it has turned over already */
+    float room; /* part of the area that may be lost; not above 0 if already turned over */
 } fold_way;
 
 static fold_way way_of(const float e[2][3], const float d[2][3], const float n[3])
@@ -74,7 +74,7 @@ float strain_fold(const float e[2][3], const float d[2][3], const float n[3])
     const fold_way way = way_of(e, d, n);
     if (!(way.room > 0.0f))
         return 0.0f;
-    float least = way.slope + way.bend < 0.0f ? way.slope + way.bend : 0.0f; /* at 1 */
+    float least = way.slope + way.bend < 0.0f ? way.slope + way.bend : 0.0f; /* value at s = 1 */
     if (way.bend > 0.0f && way.slope < 0.0f && -way.slope < 2.0f * way.bend)
         least = -way.slope * way.slope / (4.0f * way.bend);
     return -least / way.room;

@@ -1,4 +1,4 @@
-/* The loops of face/frame/strain.h, for one instruction set. */
+/* The loops of face/frame/strain.h for one instruction set. */
 #include "face/frame/strain.h"
 
 #include "face/frame/rows.h"
@@ -9,14 +9,15 @@
 #define STRAIN(name) STRAIN_OF(name, MAROTTE_VARIANT)
 STRAIN_DECLARE(MAROTTE_VARIANT);
 
-/* The corners as two edges from the first one, by axis; those that are left repeat the first. */
+/* Two edges of each triangle from its first corner, by axis. Unused lanes repeat the first
+ * triangle. */
 typedef struct edges {
     float a[3][STRAIN_GROUP], b[3][STRAIN_GROUP];
 } edges;
 
-/* out[axis][i] := b - a, of each of four triangles. */
-static inline void put_edges(float out[3][STRAIN_GROUP], size_t first, const rows_four a[4],
-                             const rows_four b[4])
+/* Writes b - a for four triangles: out[axis][i]. */
+static inline void write_edges(float out[3][STRAIN_GROUP], size_t first, const rows_four a[4],
+                               const rows_four b[4])
 {
     rows_four by[4] = {b[0] - a[0], b[1] - a[1], b[2] - a[2], b[3] - a[3]};
     rows_transpose(by);
@@ -38,8 +39,8 @@ static void gather(edges *out, const strain_corners *at)
     for (size_t i = 0; i < STRAIN_GROUP; i += 4) {
         rows_four corner[3][4];
         load_corners(corner, at, i);
-        put_edges(out->a, i, corner[0], corner[1]);
-        put_edges(out->b, i, corner[0], corner[2]);
+        write_edges(out->a, i, corner[0], corner[1]);
+        write_edges(out->b, i, corner[0], corner[2]);
     }
 }
 
@@ -54,9 +55,9 @@ static void gather_sides(sides *out, const strain_corners *at)
     for (size_t i = 0; i < STRAIN_GROUP; i += 4) {
         rows_four corner[3][4];
         load_corners(corner, at, i);
-        put_edges(out->two.a, i, corner[0], corner[1]);
-        put_edges(out->two.b, i, corner[0], corner[2]);
-        put_edges(out->third, i, corner[1], corner[2]);
+        write_edges(out->two.a, i, corner[0], corner[1]);
+        write_edges(out->two.b, i, corner[0], corner[2]);
+        write_edges(out->third, i, corner[1], corner[2]);
     }
 }
 
@@ -108,7 +109,7 @@ void STRAIN(turns)(float *restrict out, const float *restrict inv_tan_turn,
     const float none_left = 1e6f;
     for (size_t i = 0; i < STRAIN_GROUP; ++i) {
         float cosine = turn_cosine[i], square = 1.0f - cosine * cosine;
-        float sine = sqrtf(square > 1e-6f ? square : 0.0f); /* less is rounding */
+        float sine = sqrtf(square > 1e-6f ? square : 0.0f); /* a smaller value is rounding */
         float left = cosine - inv_tan_turn[i] * sine;       /* cot (a - b) */
         float of_left = (inv_tan_turn[i] * cosine + sine) / (left > 1e-6f ? left : 1e-6f);
         out[i] = left > 1e-6f && of_left < none_left ? of_left : none_left;
@@ -264,14 +265,14 @@ void STRAIN(blends)(const strain_blends *of, const float motion[12], float turn,
     }
 }
 
-/* Upper bound of the angle whose sine that is. */
+/* Returns an upper bound of the angle with this sine. */
 static inline float angle_of(float sine)
 {
     sine = sine < 1.0f ? sine : 1.0f;
     return sine + 0.5708f * sine * sine * sine;
 }
 
-/* Upper bound of 1 over the tangent of an angle that is left. */
+/* Returns an upper bound of 1 over the tangent of an angle that is left. */
 static inline float inv_tan_of(float angle)
 {
     float left = angle > 1e-3f ? angle : 1e-3f;
@@ -286,7 +287,7 @@ void STRAIN(rooms)(float *restrict out, const strain_rooms *of, size_t count)
                           *restrict rounding = of->rounding, *restrict tilt = of->tilt,
                           *restrict turn = of->turn, *restrict steepness = of->steepness;
     float *restrict out_tilted = of->tilted;
-    const float sure = 1.05f; /* beside the rounding of sums: that of what is made of them */
+    const float sure = 1.05f; /* margin for the rounding of values derived from sums */
     for (size_t i = 0; i < count; ++i) {
         float square = 1.0f - 1.001f * unlike[i] - 1e-5f;
         float shrunk = sqrtf(square > 1e-4f ? square : 1e-4f), inv = 1.0f / shrunk;
@@ -295,7 +296,7 @@ void STRAIN(rooms)(float *restrict out, const strain_rooms *of, size_t count)
         float pressed = 0.5f * (sqrtf(4.0f * (left > 0.0f ? left : 0.0f) + n * n) - n);
         pressed = pressed < 1.0f ? pressed : 1.0f;
         float scale = shrunk * pressed - lost;
-        float worst = p > -n * n ? p : -n * n; /* there it slopes most */
+        float worst = p > -n * n ? p : -n * n; /* the slope is greatest there */
         float cross = n * n - worst * worst, run = 1.0f + worst;
         float slope = sqrtf(cross > 0.0f ? cross : 0.0f) / (run > 1e-3f ? run : 1e-3f);
         float seen = angle_of(slope / sqrtf(1.0f + slope * slope)) * inv +
@@ -327,7 +328,7 @@ void STRAIN(folds)(strain_folds *restrict out, const strain_corners *posed,
     sides was, moved;
     gather_sides(&was, posed);
     gather_sides(&moved, added);
-    for (size_t i = 0; i < STRAIN_GROUP; ++i) { /* as strain_fold, term by term */
+    for (size_t i = 0; i < STRAIN_GROUP; ++i) { /* the same terms as in strain_fold */
         float nx = normal[0][i], ny = normal[1][i], nz = normal[2][i];
         float ax = was.two.a[0][i], ay = was.two.a[1][i], az = was.two.a[2][i];
         float bx = was.two.b[0][i], by = was.two.b[1][i], bz = was.two.b[2][i];

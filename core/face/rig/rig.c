@@ -111,15 +111,15 @@ const char *rig_follow_fault(const rig *r, uint32_t bone, uint32_t turn)
     if (follows->share == 0.0)
         return NULL;
     if (!(follows->share >= -1.0 && follows->share <= 1.0))
-        return "follows by a share that is not within -1 and 1";
+        return "has a share outside -1 to 1";
     if (follows->bone == bone)
-        return "is a turn of the same bone, and a turn follows one of another bone";
+        return "is a turn of the same bone, but must belong to another bone";
     if (follows->bone > bone)
-        return "is a turn of a bone that is listed later, and a turn follows an earlier one";
+        return "is a turn of a bone that is listed later, but must be listed before";
     if (follows->turn >= r->bone[follows->bone].turn_count)
-        return "is no turn of a ball that is listed before";
+        return "is not a turn of a ball that is listed before it";
     if (r->bone[follows->bone].turn[follows->turn].follows.share != 0.0)
-        return "follows another turn itself, and a turn follows one that does not";
+        return "follows another turn itself, but must not follow any";
     return NULL;
 }
 
@@ -201,7 +201,8 @@ uint64_t rig_mesh_hash(uint32_t vertex_count, const uint32_t *triangle, uint32_t
 
 /* ---- copies ---- */
 
-/* All of `capacity`, those beyond `count` zeroed: rigs have room for more bones than they have. */
+/* Copies `count` items into an array of `capacity`, with the rest zeroed. Rigs allocate room for
+ * more bones than they have. */
 static void *copy_roomy(copying *c, const void *from, size_t count, size_t capacity,
                         size_t item_size)
 {

@@ -39,7 +39,8 @@ static bool has_text(const char *name, const char *text)
     return false;
 }
 
-/* Whether a name has one of the words (lower case, the last NULL) in it, capitals or not. */
+/* True if a name contains one of the words, ignoring case. Words are lower case; the list ends with
+ * NULL. */
 static bool anatomy_has_word(const char *name, const char *const *words)
 {
     for (; *words; ++words)
@@ -50,26 +51,26 @@ static bool anatomy_has_word(const char *name, const char *const *words)
 
 #define WORDS(...) ((const char *const[]){__VA_ARGS__, NULL})
 
-static bool sounds_like_eye(const char *name)
+static bool is_eye_name(const char *name)
 {
     return has_text(name, "eye") &&
            !anatomy_has_word(name, WORDS("brow", "lash", "lid", "socket", "extra", "shadow",
                                          "occlusion", "glass", "wear"));
 }
 
-static bool sounds_like_teeth(const char *name)
+static bool is_teeth_name(const char *name)
 {
     return anatomy_has_word(name, WORDS("teeth", "tooth", "gum", "denture"));
 }
 
-static bool sounds_worn(const char *name)
+static bool is_accessory_name(const char *name)
 {
     return anatomy_has_word(name, WORDS("hair", "headwear", "hat", "beanie", "helmet", "glasses",
                                         "eyewear", "earring", "ear.", "ears", "horn", "crown",
                                         "hood", "mask"));
 }
 
-static bool sounds_like_clothes(const char *name)
+static bool is_clothes_name(const char *name)
 {
     return anatomy_has_word(name, WORDS("outfit", "cloth", "shirt", "shoe", "footwear", "pants",
                                         "trouser", "dress", "jacket", "hand", "body"));
@@ -77,8 +78,8 @@ static bool sounds_like_clothes(const char *name)
 
 /* ---- the skeleton ---- */
 
-/* "mixamorig:Head", "J_Bip_C_Head", "Bip01 Head", "DEF-head.001", "CC_Base_Head"; not the end of
- * one, nor what only controls it. */
+/* Matches joints such as "mixamorig:Head", "J_Bip_C_Head", "Bip01 Head", "DEF-head.001" or
+ * "CC_Base_Head". Excludes end joints and control joints. */
 static bool is_joint_of(const mesh_joint *joint, const char *role, const char *word)
 {
     if (joint->role && joint->role[0])
@@ -109,7 +110,7 @@ static void mark_below(uint8_t *is_below, const mesh *m, uint32_t root)
             is_below[i] = is_below[m->joint[i].parent];
 }
 
-/* How far a vertex follows marked joints, 0..1. */
+/* Returns how far a vertex follows marked joints, 0..1. */
 static float share_of(const mesh *m, const uint8_t *is_below, uint32_t vertex)
 {
     float share = 0.0f;
@@ -120,7 +121,8 @@ static float share_of(const mesh *m, const uint8_t *is_below, uint32_t vertex)
     return share;
 }
 
-/* Of several heads the one in front; of those side by side the first. */
+/* Finds the joint of the head. Of several heads takes the one in front, or the first of those side
+ * by side. */
 static mrt_result find_head_joint(rig_anatomy *a, const mesh *m, error *err)
 {
     double front = -(double)INFINITY;
@@ -135,7 +137,7 @@ static mrt_result find_head_joint(rig_anatomy *a, const mesh *m, error *err)
         if (!is_joint_of(&m->joint[j], "head", "head"))
             continue;
         if (a->head_joint != MESH_NO_JOINT && m->joint[j].parent == a->head_joint)
-            continue; /* "head" and the bone in it */
+            continue; /* a "head" joint inside a "head" joint */
         mark_below(is_below, m, j);
         for (uint32_t v = 0; v < m->vertex_count; ++v)
             if (share_of(m, is_below, v) >= 0.5f) {
@@ -170,14 +172,14 @@ static mrt_result find_head_joint(rig_anatomy *a, const mesh *m, error *err)
 
 enum { ROWS = 256 };
 
-typedef struct rows { /* of a mesh, by height */
+typedef struct rows { /* outline of a mesh by height */
     double low_y, row_mm;
     double low_x[ROWS], high_x[ROWS], low_z[ROWS], high_z[ROWS];
 } rows;
 
 static int row_of(const rows *r, double y)
 {
-    double row = floor((y - r->low_y) / r->row_mm); /* flat: not a number */
+    double row = floor((y - r->low_y) / r->row_mm); /* NaN for a flat mesh */
     return !(row > 0.0) ? 0 : row < (double)ROWS ? (int)row : ROWS - 1;
 }
 
@@ -210,7 +212,7 @@ static double width_at(const rows *r, int row)
     return isfinite(width) ? width : 0.0;
 }
 
-/* The first at or above a row; -1: none. */
+/* Returns the first row with skin at or above a row, or -1. */
 static int row_with_skin(const rows *r, int row)
 {
     while (row < ROWS && !isfinite(r->low_x[row]))
@@ -218,8 +220,8 @@ static int row_with_skin(const rows *r, int row)
     return row < ROWS ? row : -1;
 }
 
-/* Shoulders: below a head the body gets far wider than the head was, and stays so; below ears it
- * does not. The row; -1: there are none. */
+/* Finds the row of the shoulders, or -1. Below a head the body becomes far wider than the head and
+ * stays so. Below ears it does not. */
 static int find_shoulders(const rows *r)
 {
     enum { CROWN = ROWS / 8 };
@@ -239,8 +241,8 @@ static int find_shoulders(const rows *r)
     return -1;
 }
 
-/* From a row down to where the front recedes, under the chin, or to the last row: strong necks are
- * wider than jaws are. */
+/* Returns the row under the chin, where the front recedes, searching down from a row to the last
+ * row. This is needed because strong necks are wider than jaws. */
 static int below_chin(const rows *r, int row, int last)
 {
     double front = -(double)INFINITY, back = (double)INFINITY;
@@ -253,7 +255,7 @@ static int below_chin(const rows *r, int row, int last)
     return row;
 }
 
-/* Where a body is narrowest above its shoulders. The row; -1: it has none. */
+/* Finds the row where a body is narrowest above its shoulders, or -1. */
 static int find_neck_of_body(const rows *r)
 {
     int shoulder = find_shoulders(r), neck = shoulder + 1, span = ROWS - shoulder;
@@ -265,10 +267,10 @@ static int find_neck_of_body(const rows *r)
     return below_chin(r, neck, shoulder + 1);
 }
 
-/* Where the shoulders of a bust begin: they are wider than all above, and what is below them, a
- * plinth too, is wider than the head most often; below ears and brims it is not. Collars rise
- * behind a neck and chins lie before it: what is narrowest may be the jaw. The row; -1: it has
- * none. */
+/* Finds the row where the shoulders of a bust begin, or -1. Shoulders are wider than everything
+ * above, and most rows below (even a plinth) are wider than the head. Below ears and brims this is
+ * not so. The narrowest row is no good measure: collars rise behind the neck and chins are in front
+ * of it, so it may be at the jaw. */
 static int find_neck_of_bust(const rows *r)
 {
     double head = 0.0;
@@ -287,8 +289,8 @@ static int find_neck_of_bust(const rows *r)
     return -1;
 }
 
-/* The head ends at the neck. A head alone has no shoulders; whole bodies are far higher than they
- * are deep. */
+/* Cuts the head off at the neck. A head alone has no shoulders. A whole body is far higher than it
+ * is deep. */
 static void cut_off_body(rig_anatomy *a, const mesh *m, vec3 low, vec3 high)
 {
     rows *r = malloc(sizeof *r);
@@ -298,7 +300,7 @@ static void cut_off_body(rig_anatomy *a, const mesh *m, vec3 low, vec3 high)
     bool is_tall = high.y - low.y > 2.2 * (high.z - low.z);
     int neck = is_tall ? find_neck_of_body(r) : find_neck_of_bust(r);
     if (neck >= 0)
-        neck = row_with_skin(r, neck); /* a head may hover above its body */
+        neck = row_with_skin(r, neck); /* the head may hover above its body */
     if (neck >= 0) {
         double y = r->low_y + neck * r->row_mm;
         for (uint32_t v = 0; v < m->vertex_count; ++v)
@@ -322,11 +324,11 @@ static double size_of(const anatomy_piece *p)
     return d.x * d.y * d.z;
 }
 
-/* Pieces whose boxes meet are one figure. Figures half as large as the largest are heads too; that
- * in front is performed, of those side by side the first. */
+/* Groups pieces with overlapping boxes into figures. Each figure at least half as large as the
+ * largest counts as a head. The one in front is performed, or the first of those side by side. */
 static mrt_result choose_figure(rig_anatomy *a, const mesh *m, error *err)
 {
-    enum { MANY = 2000 }; /* pieces beyond are taken as they come */
+    enum { MANY = 2000 }; /* further pieces are not grouped */
     uint32_t count = a->piece_count < MANY ? a->piece_count : MANY;
     uint32_t *figure = malloc(((size_t)count + 1) * sizeof *figure);
     anatomy_piece *box = malloc(((size_t)count + 1) * sizeof *box);
@@ -382,7 +384,8 @@ static mrt_result choose_figure(rig_anatomy *a, const mesh *m, error *err)
 static mrt_result find_head_by_shape(rig_anatomy *a, const mesh *m, error *err)
 {
     for (uint32_t v = 0; v < m->vertex_count; ++v)
-        a->is_head[v] = a->of_vertex[v] < a->piece_count; /* stray vertices are nobody's */
+        a->is_head[v] =
+            a->of_vertex[v] < a->piece_count; /* vertices without a surface belong to no head */
     a->head_count = 0;
     mrt_result result = choose_figure(a, m, err);
     vec3 low = {0, 0, 0}, high = {0, 0, 0};
@@ -450,7 +453,8 @@ static mrt_result measure_pieces(rig_anatomy *a, const mesh *m, const topology *
     return MRT_OK;
 }
 
-/* A name that all parts have tells none from the others: joined meshes keep that of one of them. */
+/* Returns the name of a piece's part, or "" if all parts have the same name. Joined meshes keep the
+ * name of one of them. */
 static const char *name_of(const mesh *m, const anatomy_piece *p)
 {
     for (uint32_t i = 0; p->part < m->part_count && i < m->part_count; ++i)
@@ -470,8 +474,8 @@ static const char *material_of(const mesh *m, const anatomy_piece *p)
     return "";
 }
 
-/* A piece by one of its names. */
-static bool sounds(const mesh *m, const anatomy_piece *p, bool (*as)(const char *name))
+/* True if one of the names of a piece matches. */
+static bool matches_name(const mesh *m, const anatomy_piece *p, bool (*as)(const char *name))
 {
     return as(name_of(m, p)) || as(material_of(m, p));
 }
@@ -490,8 +494,8 @@ static bool is_mostly_head(const anatomy_piece *p)
 
 /* ---- balls ---- */
 
-/* The sphere through a piece in the sense of least squares: |p|^2 = 2 c p + k. Returns the mean
- * miss over the radius; infinite: none. */
+/* Fits a sphere to a piece by least squares: |p|^2 = 2 c p + k. Returns the mean error over the
+ * radius, or infinity if there is no sphere. */
 static double fit_sphere(vec3 *out_centre, double *out_radius, const rig_anatomy *a, uint32_t piece,
                          const mesh *m)
 {
@@ -505,7 +509,7 @@ static double fit_sphere(vec3 *out_centre, double *out_radius, const rig_anatomy
             for (int j = 0; j < 5; ++j)
                 n[i][j] += row[i] * row[j];
     }
-    for (int i = 0; i < 4; ++i) { /* it is symmetric and positive, or the piece is flat */
+    for (int i = 0; i < 4; ++i) { /* symmetric positive definite, unless the piece is flat */
         if (!(n[i][i] > 1e-9))
             return (double)INFINITY;
         for (int k = 0; k < 4; ++k) {
@@ -525,7 +529,7 @@ static double fit_sphere(vec3 *out_centre, double *out_radius, const rig_anatomy
     return miss / p->point_count / *out_radius;
 }
 
-/* ---- the face: the piece that is seen most from the front ---- */
+/* ---- the face: the piece with the largest visible area from the front ---- */
 
 enum { PIXELS = 192 };
 
@@ -555,7 +559,8 @@ static void draw_pixel(front_view *f, int x, int y, double z, uint32_t piece)
     f->piece[pixel] = piece;
 }
 
-/* Pixels whose centre a triangle covers; a small one at least that of its own middle. */
+/* Draws the pixels whose centre the triangle covers. A small triangle draws at least the pixel of
+ * its own middle. */
 static void draw_triangle(front_view *f, const mesh *m, uint32_t triangle, uint32_t piece)
 {
     const uint32_t *corner = m->triangle + (size_t)triangle * 3;
@@ -584,11 +589,11 @@ static void draw_triangle(front_view *f, const mesh *m, uint32_t triangle, uint3
 static bool may_be_face(const rig_anatomy *a, const mesh *m, uint32_t piece)
 {
     const anatomy_piece *p = &a->piece[piece];
-    return p->head_count >= 8 && !sounds(m, p, sounds_worn) && !sounds(m, p, sounds_like_eye) &&
-           !sounds(m, p, sounds_like_teeth);
+    return p->head_count >= 8 && !matches_name(m, p, is_accessory_name) &&
+           !matches_name(m, p, is_eye_name) && !matches_name(m, p, is_teeth_name);
 }
 
-/* Points of a piece within reach_mm of a point. */
+/* Counts the points of a piece within reach_mm of a point. */
 static uint32_t count_near(const rig_anatomy *a, const mesh *m, const anatomy_piece *p,
                            vec3 location, double reach_mm)
 {
@@ -599,8 +604,8 @@ static uint32_t count_near(const rig_anatomy *a, const mesh *m, const anatomy_pi
     return count;
 }
 
-/* Skin that holds a pair of eyeballs, one beside the other, is seen four times: hats and hair may
- * be larger. */
+/* Multiplies the visible area of skin around a pair of eyeballs by four, since hats and hair can be
+ * larger. */
 static void prefer_sockets(double *visible, const rig_anatomy *a, const mesh *m, double height)
 {
     enum { BALLS_MAX = 64, NEAR_LEAST = 4 };
@@ -626,7 +631,7 @@ static void prefer_sockets(double *visible, const rig_anatomy *a, const mesh *m,
                 if (visible[k] > 0.0 &&
                     count_near(a, m, &a->piece[k], ball[i].centre, 1.5 * radius) >= NEAR_LEAST &&
                     count_near(a, m, &a->piece[k], ball[j].centre, 1.5 * radius) >= NEAR_LEAST)
-                    visible[k] *= -4.0; /* below 0: once is enough */
+                    visible[k] *= -4.0; /* negative marks it as done */
         }
     for (uint32_t k = 0; k < a->piece_count; ++k)
         visible[k] = fabs(visible[k]);
@@ -673,8 +678,7 @@ static mrt_result find_face(rig_anatomy *a, const mesh *m, error *err)
         return no_memory(err);
     if (a->face == a->piece_count)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "no profile of a face is found in the mesh: there is no surface that "
-                         "faces +z");
+                         "no profile of a face was found in the mesh: no surface faces +z");
     for (uint32_t v = 0; v < m->vertex_count; ++v)
         a->is_face[v] = a->is_head[v] && a->of_vertex[v] == a->face;
     a->piece[a->face].kind = PIECE_FACE;
@@ -682,15 +686,15 @@ static mrt_result find_face(rig_anatomy *a, const mesh *m, error *err)
     return MRT_OK;
 }
 
-/* ---- what the other pieces are ---- */
+/* ---- kinds of the other pieces ---- */
 
-static void say(anatomy_piece *p, piece_kind kind, anatomy_source source)
+static void set_kind(anatomy_piece *p, piece_kind kind, anatomy_source source)
 {
     p->kind = kind;
     p->source = source;
 }
 
-/* An eyeball: a ball of an eye's size in front, above the nose. */
+/* True for an eyeball: a ball of an eye's size in front, above the nose. */
 static bool is_ball(anatomy_eye *out, const rig_anatomy *a, uint32_t piece, const mesh *m)
 {
     const anatomy_piece *p = &a->piece[piece];
@@ -713,15 +717,15 @@ static anatomy_eye *eye_at(rig_anatomy *a, double x)
     return &a->eye[x > a->head.middle_x ? 0 : 1];
 }
 
-static void take_eye(rig_anatomy *a, uint32_t piece, const anatomy_eye *ball, anatomy_source source)
+static void set_eye(rig_anatomy *a, uint32_t piece, const anatomy_eye *ball, anatomy_source source)
 {
     anatomy_eye *eye = eye_at(a, ball->centre.x);
     if (!eye->is_found || ball->radius_mm > eye->radius_mm)
         *eye = (anatomy_eye){true, ball->centre, ball->radius_mm};
-    say(&a->piece[piece], eye == &a->eye[0] ? PIECE_EYE_LEFT : PIECE_EYE_RIGHT, source);
+    set_kind(&a->piece[piece], eye == &a->eye[0] ? PIECE_EYE_LEFT : PIECE_EYE_RIGHT, source);
 }
 
-/* Pupils, irises and corneas: in the middle of a ball, and not beyond it. */
+/* True for pupils, irises and corneas: in the middle of an eyeball, and not far beyond it. */
 static bool is_in_eye(const anatomy_eye *eye, const anatomy_piece *p)
 {
     vec3 middle = vec3_scale(vec3_add(p->low, p->high), 0.5);
@@ -736,8 +740,8 @@ typedef struct ball {
     anatomy_eye as;
 } ball;
 
-/* Both of a pair, where one is the other's mirror image. */
-static void take_pair(rig_anatomy *a, const ball *one, const ball *other)
+/* Adds both eyes of a pair if one is the mirror image of the other. */
+static void set_eye_pair(rig_anatomy *a, const ball *one, const ball *other)
 {
     vec3 c = other->as.centre, image = {2.0 * a->head.middle_x - c.x, c.y, c.z};
     if (a->piece[one->piece].kind != PIECE_UNKNOWN ||
@@ -745,8 +749,8 @@ static void take_pair(rig_anatomy *a, const ball *one, const ball *other)
         vec3_length(vec3_sub(image, one->as.centre)) > 0.3 * one->as.radius_mm ||
         fabs(one->as.radius_mm - other->as.radius_mm) > 0.2 * one->as.radius_mm)
         return;
-    take_eye(a, one->piece, &one->as, BY_SHAPE);
-    take_eye(a, other->piece, &other->as, BY_SHAPE);
+    set_eye(a, one->piece, &one->as, BY_SHAPE);
+    set_eye(a, other->piece, &other->as, BY_SHAPE);
 }
 
 static void find_eyes(rig_anatomy *a, const mesh *m)
@@ -760,24 +764,24 @@ static void find_eyes(rig_anatomy *a, const mesh *m)
             count += 1;
     }
     for (uint32_t i = 0; i < count; ++i)
-        if (sounds_like_eye(name_of(m, &a->piece[found[i].piece])))
-            take_eye(a, found[i].piece, &found[i].as, BY_NAME);
+        if (is_eye_name(name_of(m, &a->piece[found[i].piece])))
+            set_eye(a, found[i].piece, &found[i].as, BY_NAME);
     if (!a->eye[0].is_found && !a->eye[1].is_found)
         for (uint32_t i = 0; i < count; ++i)
             for (uint32_t j = i + 1; j < count; ++j)
-                take_pair(a, &found[i], &found[j]);
+                set_eye_pair(a, &found[i], &found[j]);
     for (uint32_t i = 0; i < a->piece_count; ++i) {
         anatomy_piece *p = &a->piece[i];
         if (p->kind != PIECE_UNKNOWN || !is_mostly_head(p))
             continue;
         for (int side = 0; side < 2; ++side)
             if (is_in_eye(&a->eye[side], p))
-                say(p, side == 0 ? PIECE_EYE_LEFT : PIECE_EYE_RIGHT,
-                    sounds_like_eye(name_of(m, p)) ? BY_NAME : BY_SHAPE);
+                set_kind(p, side == 0 ? PIECE_EYE_LEFT : PIECE_EYE_RIGHT,
+                         is_eye_name(name_of(m, p)) ? BY_NAME : BY_SHAPE);
     }
 }
 
-/* Behind the lips, no wider than the mouth. */
+/* True for a piece behind the lips that is not wider than the mouth. */
 static bool is_in_mouth(const rig_anatomy *a, const anatomy_piece *p)
 {
     const rig_head *head = &a->head;
@@ -802,7 +806,7 @@ static void find_teeth(rig_anatomy *a, const mesh *m)
     }
     for (uint32_t i = 0; i < a->piece_count; ++i) {
         anatomy_piece *p = &a->piece[i];
-        bool is_named = sounds(m, p, sounds_like_teeth),
+        bool is_named = matches_name(m, p, is_teeth_name),
              is_tongue = has_text(name_of(m, p), "tongue");
         if (p->kind != PIECE_UNKNOWN || !is_mostly_head(p))
             continue;
@@ -815,15 +819,16 @@ static void find_teeth(rig_anatomy *a, const mesh *m)
         bool is_lower = p->mean.y < head->mouth_y;
         if (anatomy_has_word(name_of(m, p), WORDS("upper", "lower")))
             is_lower = has_text(name_of(m, p), "lower");
-        say(p,
-            is_tongue || (is_behind && !has_text(name_of(m, p), "upper")) ? PIECE_TONGUE
-            : is_lower                                                    ? PIECE_TEETH_LOWER
-                                                                          : PIECE_TEETH_UPPER,
-            is_named || is_tongue ? BY_NAME : BY_SHAPE);
+        set_kind(p,
+                 is_tongue || (is_behind && !has_text(name_of(m, p), "upper")) ? PIECE_TONGUE
+                 : is_lower                                                    ? PIECE_TEETH_LOWER
+                                                                               : PIECE_TEETH_UPPER,
+                 is_named || is_tongue ? BY_NAME : BY_SHAPE);
     }
 }
 
-/* The rim or the glass of spectacles: before an eye, and around its middle as seen from there. */
+/* True for the rim or glass of spectacles: in front of an eye, and around its centre as seen from
+ * there. */
 static bool is_before_eye(const anatomy_eye *eye, const anatomy_piece *p)
 {
     return eye->is_found && p->low.z > eye->centre.z + 0.9 * eye->radius_mm &&
@@ -831,8 +836,8 @@ static bool is_before_eye(const anatomy_eye *eye, const anatomy_piece *p)
            p->high.y > eye->centre.y;
 }
 
-/* Hair, hats, glasses and ears: behind the face, above it, or across it. */
-static bool lies_around(const rig_anatomy *a, const anatomy_piece *p)
+/* True for hair, hats, glasses and ears: behind the face, above it, or across it. */
+static bool is_around_face(const rig_anatomy *a, const anatomy_piece *p)
 {
     const rig_head *head = &a->head;
     double reach = head->nose.y - head->chin.y, depth = head->nose.z - head->back_z;
@@ -850,25 +855,27 @@ static void find_others(rig_anatomy *a, const mesh *m)
         const char *name = name_of(m, p);
         if (p->kind != PIECE_UNKNOWN)
             continue;
-        if (p->head_count == 0 || (!is_mostly_head(p) && !sounds(m, p, sounds_worn)))
-            say(p, PIECE_BODY, a->source);
+        if (p->head_count == 0 || (!is_mostly_head(p) && !matches_name(m, p, is_accessory_name)))
+            set_kind(p, PIECE_BODY, a->source);
         else if (anatomy_has_word(name, WORDS("beard", "moustache", "mustache")))
-            say(p, p->mean.y < a->head.mouth_y ? PIECE_BEARD : PIECE_UNKNOWN, BY_NAME);
-        else if (sounds(m, p, sounds_worn) && !anatomy_has_word(name, WORDS("lash", "brow")))
-            say(p, PIECE_RIDES, BY_NAME);
+            set_kind(p, p->mean.y < a->head.mouth_y ? PIECE_BEARD : PIECE_UNKNOWN, BY_NAME);
+        else if (matches_name(m, p, is_accessory_name) &&
+                 !anatomy_has_word(name, WORDS("lash", "brow")))
+            set_kind(p, PIECE_RIDES, BY_NAME);
         else if (a->has_face && !anatomy_has_word(name, WORDS("lash", "brow", "lid", "tear")) &&
-                 lies_around(a, p))
-            say(p, PIECE_RIDES, BY_SHAPE);
+                 is_around_face(a, p))
+            set_kind(p, PIECE_RIDES, BY_SHAPE);
         else if (!a->has_face)
-            say(p, PIECE_RIDES, BY_SHAPE);
-        else if (sounds_like_clothes(name))
-            say(p, PIECE_BODY, BY_NAME);
+            set_kind(p, PIECE_RIDES, BY_SHAPE);
+        else if (is_clothes_name(name))
+            set_kind(p, PIECE_BODY, BY_NAME);
     }
 }
 
-/* Clothes cut the head off too high: where the face is a piece that ends in its own neck, all of
- * it is the head, and of other pieces what lies above the narrowest place of that neck. */
-static void give_back_neck(rig_anatomy *a, const mesh *m)
+/* Returns the neck to the head where clothes made the cut too high. If the piece of the face ends
+ * in its own neck, the whole piece belongs to the head. Of other pieces, everything above the
+ * narrowest row of that neck does. */
+static void extend_to_neck(rig_anatomy *a, const mesh *m)
 {
     const anatomy_piece *face = &a->piece[a->face];
     vec3 size = vec3_sub(face->high, face->low);
@@ -900,7 +907,7 @@ static void give_back_neck(rig_anatomy *a, const mesh *m)
     free(r);
 }
 
-/* ---- is there a slit between the lips? ---- */
+/* ---- the slit between the lips ---- */
 
 static mrt_result find_slit(rig_anatomy *a, const mesh *m, const topology *t, error *err)
 {
@@ -931,7 +938,7 @@ static mrt_result find_slit(rig_anatomy *a, const mesh *m, const topology *t, er
     return MRT_OK;
 }
 
-/* ---- what is behind the lips and the lids ---- */
+/* ---- skin behind the lips and the lids ---- */
 
 static mrt_result find_hidden(rig_anatomy *a, const mesh *m, error *err)
 {
@@ -965,7 +972,7 @@ static mrt_result find_hidden(rig_anatomy *a, const mesh *m, error *err)
 
 /* ---- ears ---- */
 
-typedef struct band { /* of the face's sides: heights, and depths */
+typedef struct band { /* heights and depths at the sides of the face */
     double low_y, high_y, low_z, high_z;
 } band;
 
@@ -983,8 +990,8 @@ static double widest_in(const rig_anatomy *a, const mesh *m, const band *b)
     return widest;
 }
 
-/* What stands out from the sides of the head is the rim of an ear; the hole lies before and a
- * little below its middle (as on the ICT face). */
+/* Finds the ears. The rim of an ear stands out from the sides of the head. Its hole is in front of
+ * the middle of the rim and a little below (as on the ICT face). */
 static void find_ears(rig_anatomy *a, const mesh *m)
 {
     const rig_head *head = &a->head;
@@ -1010,7 +1017,8 @@ static void find_ears(rig_anatomy *a, const mesh *m)
                         rim_z / count + 0.1 * depth};
 }
 
-/* A head that has a nose, a mouth or eyes; the profile of a ball has rows that come out too. */
+/* True for a head with a nose, a mouth or eyes. This test is needed since the profile of a ball
+ * also has rows that stand out. */
 static bool is_a_face(const rig_anatomy *a)
 {
     const rig_head *head = &a->head;
@@ -1019,7 +1027,7 @@ static bool is_a_face(const rig_anatomy *a)
            head->nose_mm > 0.02 * (head->top_y - head->chin.y);
 }
 
-/* ---- all of it ---- */
+/* ---- the whole anatomy ---- */
 
 mrt_result rig_anatomy_find(rig_anatomy *out, const mesh *m, const topology *t, error *err)
 {
@@ -1039,7 +1047,7 @@ mrt_result rig_anatomy_find(rig_anatomy *out, const mesh *m, const topology *t, 
         result = find_face(out, m, err);
     }
     if (result >= 0 && out->source == BY_SHAPE)
-        give_back_neck(out, m);
+        extend_to_neck(out, m);
     if (result >= 0) {
         mrt_result measured = rig_head_measure(&out->head, m, out->is_face, err);
         out->has_face = measured >= 0;

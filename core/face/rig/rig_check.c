@@ -18,9 +18,9 @@ typedef struct checking {
     const mesh *m;
     const topology *t;
     const binding *binding;  /* or NULL */
-    const bind_marks *marks; /* or NULL: they could not be made */
-    const rig_head *head;    /* or NULL: no profile was found */
-    double radius_mm;        /* the rig's, or a quarter of the height */
+    const bind_marks *marks; /* NULL if they could not be made */
+    const rig_head *head;    /* NULL if no profile was found */
+    double radius_mm;        /* from the rig, or a quarter of the height */
     rig_findings *out;
     bool is_out_of_memory;
 } checking;
@@ -58,7 +58,7 @@ __attribute__((format(printf, 4, 5))) static void report(checking *c, rig_severi
     va_end(arguments);
 }
 
-/* "base.rig.json: $.bones[1]: text" is a path and a text. */
+/* Splits "base.rig.json: $.bones[1]: text" into a path and a text. */
 static void find_error(checking *c, const error *err)
 {
     const char *path_start = strchr(err->text, '$');
@@ -74,7 +74,7 @@ static void find_error(checking *c, const error *err)
 
 static void sort_by_severity(rig_findings *findings)
 {
-    for (uint32_t i = 1; i < findings->count; ++i) { /* stable, and short lists */
+    for (uint32_t i = 1; i < findings->count; ++i) { /* stable; the lists are short */
         rig_finding moved = findings->item[i];
         uint32_t at = i;
         for (; at > 0 && findings->item[at - 1].severity < moved.severity; --at)
@@ -104,7 +104,7 @@ enum { HOLES_SHOWN = 6, PARTS_SHOWN = 12 };
 static void check_size(checking *c)
 {
     float low[3], high[3];
-    mesh m = *c->m; /* as it would be with this rig */
+    mesh m = *c->m; /* the mesh in the frame that this rig gives it */
     bind_focus(&m, c->r, c->t);
     mesh_focus(&m, low, high);
     double height_mm = (double)high[1] - (double)low[1];
@@ -112,7 +112,7 @@ static void check_size(checking *c)
         report(c, RIG_NOTE, "$.unit", "the mesh is %.0f mm high", height_mm);
     else
         report(c, RIG_WARNING, "$.unit",
-               "the mesh is %.4g mm high; a head is 100 to 1000 mm: is the unit right?", height_mm);
+               "the mesh is %.4g mm high, but a head is 100 to 1000 mm; check the unit", height_mm);
 }
 
 static void check_mesh_hash(checking *c)
@@ -122,9 +122,8 @@ static void check_mesh_hash(checking *c)
     uint64_t hash = rig_mesh_hash(c->m->vertex_count, c->m->triangle, c->m->triangle_count);
     if (hash != c->r->mesh_hash)
         report(c, RIG_NOTE, "$.mesh_hash",
-               "the mesh is not the one that the rig was made for: its triangles changed "
-               "(%016llx now); look at the picture of marotte rig show, then correct or remove "
-               "mesh_hash",
+               "the rig was made for another mesh: the triangles changed (hash now %016llx); check "
+               "the picture of marotte rig show, then correct or remove mesh_hash",
                (unsigned long long)hash);
 }
 
@@ -139,7 +138,7 @@ static void check_symmetry(checking *c)
     }
     if (count > 0)
         report(c, RIG_NOTE, "$.mesh",
-               "%u of %u vertices, %u the first, have no mirror image within %.1f mm of the "
+               "%u of %u vertices (the first is %u) have no mirror image within %.1f mm across the "
                "plane x = %.2f mm",
                count, c->m->vertex_count, example, reach_mm, middle_x);
 }
@@ -147,9 +146,9 @@ static void check_symmetry(checking *c)
 /* ---- connected pieces ---- */
 
 typedef struct pieces {
-    arrays arrays;       /* those below */
-    uint32_t *of_vertex; /* vertex_count */
-    bool *is_marked;     /* count: a region speaks of one of its vertices */
+    arrays arrays;       /* owner of the arrays below */
+    uint32_t *of_vertex; /* vertex_count: index of the piece */
+    bool *is_marked;     /* count: a region marks at least one vertex of the piece */
     bool *is_open;
     double *volume; /* count, mm^3 */
     uint32_t *size;
@@ -200,7 +199,7 @@ static bool is_vertex_marked(const checking *c, uint32_t vertex)
     return false;
 }
 
-/* Six times the volume between the triangle and a point near the piece. */
+/* Returns six times the volume between the triangle and a point near the piece. */
 static double wedge(const mesh *m, uint32_t triangle, vec3 from)
 {
     vec3 p[3];
@@ -241,9 +240,9 @@ static bool pieces_make(pieces *p, const checking *c)
     return true;
 }
 
-/* ---- what is said of them ---- */
+/* ---- findings about pieces ---- */
 
-static bool sounds_rigid(const char *name)
+static bool is_rigid_name(const char *name)
 {
     static const char *const words[] = {"teeth", "tooth", "eye", "gum"};
     for (size_t i = 0; i < sizeof words / sizeof *words; ++i)
@@ -271,9 +270,9 @@ static void check_unmarked(checking *c, const pieces *p)
         if (count == 0 || shown == PARTS_SHOWN)
             continue;
         shown += 1;
-        report(c, sounds_rigid(part->name) ? RIG_WARNING : RIG_NOTE, "$.regions",
-               "no region marks %s of part \"%s\" (%u triangles): it rides on the nearest "
-               "surface that is marked",
+        report(c, is_rigid_name(part->name) ? RIG_WARNING : RIG_NOTE, "$.regions",
+               "no region marks %s of part \"%s\" (%u triangles): it follows the nearest marked "
+               "surface",
                count == part->triangle_count ? "anything" : "all pieces", part->name, count);
     }
 }
@@ -285,7 +284,7 @@ static double height_of(const mesh *m)
     return (double)high[1] - (double)low[1];
 }
 
-/* A point of the surface, and where it is in cells that are far smaller than triangles. */
+/* A point of the surface, with its cell in a grid that is much finer than the triangles. */
 typedef struct cell_point {
     int64_t cell[3];
     uint32_t vertex;
@@ -300,7 +299,7 @@ static int by_cell(const void *left, const void *right)
     return a->vertex < b->vertex ? -1 : a->vertex > b->vertex;
 }
 
-/* How much of one vertex follows other bones than another does, 0..1. */
+/* Returns how much the bone weights of two vertices differ, 0..1. */
 static double apart(const checking *c, uint32_t v, uint32_t w)
 {
     const binding *b = c->binding;
@@ -311,11 +310,11 @@ static double apart(const checking *c, uint32_t v, uint32_t w)
     return 0.5 * sum;
 }
 
-/* Where pieces that are not one surface touch, as a head and its neck do, they must move alike.
- * What is rigid is meant to leave what it touches. */
+/* Warns where two pieces touch but move differently, for example a head and its neck. Rigid
+ * vertices are left out, because they may move away from the skin. */
 static void check_parting(checking *c, const pieces *p)
 {
-    enum { FEW = 4 }; /* points: fewer touch by chance */
+    enum { FEW = 4 }; /* points; fewer can touch by chance */
     const double parts_from = 0.05;
     float low[3], high[3];
     uint32_t count = 0, found = 0, example[2] = {0, 0};
@@ -345,10 +344,11 @@ static void check_parting(checking *c, const pieces *p)
         }
     }
     if (found >= FEW)
-        report(c, RIG_WARNING, "$.regions",
-               "pieces of the mesh touch at %u places where they follow different bones, vertices "
-               "%u and %u the first: they part there; give both one weight, or join them",
-               found, example[0], example[1]);
+        report(
+            c, RIG_WARNING, "$.regions",
+            "pieces of the mesh touch at %u places but follow different bones (first at vertices "
+            "%u and %u), so gaps open there; give both pieces the same weight, or join them",
+            found, example[0], example[1]);
     free(at);
 }
 
@@ -361,7 +361,8 @@ static uint32_t largest_piece(const pieces *p)
     return best;
 }
 
-/* Open pieces have no inside, but for the head itself. */
+/* Warns about closed pieces that face inwards. An open piece has no inside; only the head
+ * itself is checked although it may be open. */
 static void check_inside_out(checking *c, const pieces *p)
 {
     uint32_t head = largest_piece(p), closed = 0, example = 0;
@@ -374,11 +375,11 @@ static void check_inside_out(checking *c, const pieces *p)
         closed += i != head && !p->is_open[i] && p->volume[i] < 0.0;
     if (p->count > 0 && p->volume[head] < 0.0)
         report(c, RIG_WARNING, "$.mesh",
-               "the surface of the head faces inwards; flip its normals where it was modelled");
+               "the surface of the head faces inwards; flip its normals in the modelling program");
     if (closed > 0)
         report(c, RIG_WARNING, "$.mesh",
-               "%u closed piece%s (one has vertex %u) face%s inwards; flip the normals where it "
-               "was modelled",
+               "%u closed piece%s (one has vertex %u) face%s inwards; flip the normals in the "
+               "modelling program",
                closed, closed == 1 ? "" : "s", example, closed == 1 ? "s" : "");
 }
 
@@ -431,7 +432,7 @@ static void check_holes(checking *c)
     free(all);
 }
 
-/* Loose parts, sides turned in, holes. */
+/* Checks for unmarked pieces, surfaces that face inwards and holes. */
 static void check_surface(checking *c)
 {
     pieces p;
@@ -448,17 +449,18 @@ static void check_surface(checking *c)
     check_holes(c);
     if (c->t->rejected_count > 0)
         report(c, RIG_NOTE, "$.mesh",
-               "%u triangles, %u the first, are degenerate or where more than two meet at an "
-               "edge: weights do not spread over them",
+               "%u triangles (the first is %u) are degenerate, or share an edge with more than one "
+               "other triangle: weights do not spread over them",
                c->t->rejected_count, c->t->rejected_triangle[0]);
 }
 
-enum { FEW_CONTACTS = 8 }; /* fewer stand apart on purpose */
+enum { FEW_CONTACTS = 8 }; /* fewer contacts may be far apart on purpose */
 static const double twin_reach_mm = 1e-4, mirror_reach_mm = 2.0, still = 0.02;
 
 /* ---- seams ---- */
 
-/* Marks: a vertex that is left free goes another way than one that is marked. */
+/* Compares the marks of two vertices. A free vertex differs from a marked one, since they move
+ * differently. */
 static bool marks_differ(const bind_marks *marks, const rig *r, const mesh *m, uint32_t a,
                          uint32_t b)
 {
@@ -502,8 +504,8 @@ static mrt_result check_seams(const rig *r, const mesh *m, const bind_marks *mar
             json_path path = rig_entry_path(r, RIG_CONTACTS, i);
             return error_set(err, MRT_ERR_ARGUMENT,
                              "%s.vertex: the contact \"%s\" is on a seam: vertices %u and %u are "
-                             "at one place and ride on different bones; choose a vertex away from "
-                             "the seam, or name its bone",
+                             "at the same place but follow different bones; choose a vertex away "
+                             "from the seam, or set its bone",
                              path.text, contact->name, contact->vertex, v);
         }
     }
@@ -522,7 +524,7 @@ static void check_side(checking *c, uint32_t index, const json_path *path)
     bool is_left = strcmp(end, ".l") == 0, is_right = strcmp(end, ".r") == 0;
     if ((is_left && x < 0.0) || (is_right && x > 0.0))
         report(c, RIG_WARNING, path->text,
-               "\"%s\" lies at x = %.1f mm, on the other side: +x is the subject's left",
+               "\"%s\" is on the wrong side, at x = %.1f mm: +x is the subject's left",
                contact->name, x);
     if ((is_left || is_right) && contact->mirror == RIG_NONE)
         report(c, RIG_NOTE, path->text, "\"%s\" has no mirror", contact->name);
@@ -542,7 +544,7 @@ static void check_mirror(checking *c, uint32_t index, const json_path *path)
         return;
     uint32_t better = rig_mirror_of(c->m, NULL, contact->vertex, middle_x, &distance_mm);
     report(c, RIG_WARNING, path->text,
-           "\"%s\" and \"%s\" are %.1f mm from being mirror images; vertex %u is %.1f mm from it",
+           "\"%s\" and \"%s\" are %.1f mm from being mirror images; vertex %u would be %.1f mm off",
            contact->name, other->name, off_mm, better, distance_mm);
 }
 
@@ -554,7 +556,7 @@ static void check_mobility(checking *c, uint32_t index, const json_path *path)
     uint32_t rigid_bone = c->marks->rigid_bone[contact->vertex];
     if (rigid_bone != RIG_NONE) {
         report(c, RIG_WARNING, path->text,
-               "\"%s\" cannot be pulled: vertex %u is rigid on \"%s\"; choose one on the skin",
+               "\"%s\" cannot be pulled: vertex %u is rigid on \"%s\"; choose a vertex on the skin",
                contact->name, contact->vertex, c->r->bone[rigid_bone].name);
         return;
     }
@@ -562,8 +564,8 @@ static void check_mobility(checking *c, uint32_t index, const json_path *path)
         c->binding ? c->binding->mobility[contact->vertex] : c->marks->mobility[contact->vertex];
     if ((double)mobility < still)
         report(c, RIG_WARNING, path->text,
-               "\"%s\" can hardly be pulled: the mobility of vertex %u is %.3f; choose one "
-               "further from what is rigid",
+               "\"%s\" can hardly be pulled: the mobility of vertex %u is %.3f; choose a vertex "
+               "further from the rigid regions",
                contact->name, contact->vertex, (double)mobility);
 }
 
@@ -588,7 +590,8 @@ static void check_spacing(checking *c)
                 continue;
             json_path path = rig_entry_path(c->r, RIG_CONTACTS, j);
             report(c, RIG_WARNING, path.text,
-                   "\"%s\" is %.3g mm from \"%s\": below 1/1000 of the radius they count as one",
+                   "\"%s\" is %.3g mm from \"%s\": contacts closer than 1/1000 of the radius count "
+                   "as one",
                    c->r->contact[j].name, mm, c->r->contact[i].name);
         }
         sum += nearest;
@@ -596,8 +599,8 @@ static void check_spacing(checking *c)
     if (count < FEW_CONTACTS || c->radius_mm >= 2.0 * sum / count)
         return;
     report(c, RIG_WARNING, "$.solver.radius_mm",
-           "a radius of %.1f mm is less than twice the %.1f mm between contacts: the skin dips "
-           "between them; %.0f mm would do",
+           "the radius of %.1f mm is less than twice the mean distance of %.1f mm between "
+           "contacts, so the skin dips between them; use about %.0f mm",
            c->radius_mm, sum / count, ceil(2.0 * sum / count));
 }
 
@@ -611,7 +614,8 @@ static void check_contacts(checking *c)
     }
     check_spacing(c);
     if (c->r->contact_count == 0)
-        report(c, RIG_WARNING, "$.contacts", "there are none: nothing can be pulled by name");
+        report(c, RIG_WARNING, "$.contacts",
+               "the rig has no contacts: no point of the face can be pulled by name");
 }
 
 /* ---- the jaw ---- */
@@ -625,13 +629,14 @@ static mrt_result check_hinge(const rig *r, error *err)
         return MRT_OK;
     json_path path = rig_entry_path(r, RIG_BONES, jaw);
     return error_set(err, MRT_ERR_ARGUMENT,
-                     "%s.hinge: left lies at x = %.1f mm and right at %.1f mm; exchange them: +x "
-                     "is the subject's left",
+                     "%s.hinge: left is at x = %.1f mm and right at %.1f mm; exchange them, since "
+                     "+x is the subject's left",
                      path.text, r->bone[jaw].hinge_left.x, r->bone[jaw].hinge_right.x);
 }
 
-/* Where heads have it (theory 4.2), with room for puppets: as shares of chin to top above the chin,
- * and of back to front before the back. */
+/* Checks the axis against the usual place in human heads (theory 4.2), with a margin for
+ * puppets. The height is a share of the way from chin to top, the depth a share of the way from
+ * back to nose. */
 static void check_axis(checking *c, const rig_bone *jaw, const json_path *path)
 {
     const rig_head *head = c->head;
@@ -639,18 +644,18 @@ static void check_axis(checking *c, const rig_bone *jaw, const json_path *path)
     double up = (middle.y - head->chin.y) / (head->top_y - head->chin.y);
     double forward = (middle.z - head->back_z) / (head->nose.z - head->back_z);
     bool is_usual = up > 0.22 && up < 0.55 && forward > 0.35 && forward < 0.68;
-    report(c, is_usual ? RIG_NOTE : RIG_WARNING, path->text,
-           "the axis lies at %.2f of the way from chin to top and %.2f of the way from back to "
-           "front%s",
-           up, forward,
-           is_usual ? "" : "; 0.25 to 0.45 and 0.45 to 0.6 are usual: just before the ears");
+    report(
+        c, is_usual ? RIG_NOTE : RIG_WARNING, path->text,
+        "the axis is at %.2f of the way from chin to top and %.2f of the way from back to front%s",
+        up, forward,
+        is_usual ? "" : "; usual are 0.25 to 0.45 and 0.45 to 0.6, just in front of the ears");
     double aside = middle.x - head->middle_x;
     if (fabs(aside) > 2.0)
         report(c, RIG_WARNING, path->text,
-               "the middle of the axis is %.1f mm aside of the symmetry plane", aside);
+               "the middle of the axis is %.1f mm away from the symmetry plane", aside);
 }
 
-/* The front edge of what is rigid on the jaw: the foremost vertex. */
+/* Finds the front edge of the jaw's rigid vertices: the foremost one. */
 static bool find_incisor(vec3 *out, const checking *c, uint32_t jaw)
 {
     bool found = c->r->bone[jaw].has_incisor;
@@ -672,8 +677,8 @@ static void check_opening(checking *c, uint32_t jaw, const json_path *path)
     error err = {""};
     if (!find_incisor(&incisor, c, jaw)) {
         report(c, RIG_NOTE, path->text,
-               "no vertex is rigid on the jaw and no \"incisor\" is given: millimetres of motion "
-               "are measured at a guess");
+               "the jaw has no rigid vertex and the rig sets no \"incisor\": millimetres of jaw "
+               "motion are measured at an estimated point");
         return;
     }
     if (bones_init(&b, c->r, incisor, &err) < 0) {
@@ -697,7 +702,7 @@ static void check_jaw(checking *c)
 {
     uint32_t jaw = rig_find_jaw(c->r);
     if (jaw == RIG_NONE) {
-        report(c, RIG_NOTE, "$.bones", "no bone has a hinge: the mouth does not open");
+        report(c, RIG_NOTE, "$.bones", "no bone has a \"hinge\": the mouth does not open");
         return;
     }
     json_path path = rig_entry_path(c->r, RIG_BONES, jaw);
@@ -721,18 +726,17 @@ static void check_pulls(checking *c, const rig_pose *pose, const char *path, dou
     }
     if (longest > head_mm)
         report(c, RIG_WARNING, path,
-               "\"%s\" is pulled by %.0f mm, further than the head is high (%.0f mm): pulls are in "
-               "mm, whatever the unit of the rig",
+               "\"%s\" is pulled by %.0f mm, more than the height of the head (%.0f mm); pulls are "
+               "in mm, whatever the unit of the rig",
                c->r->contact[which].name, longest, head_mm);
     else if (pose->pull_count > 0 && longest < 1e-3 * head_mm)
-        report(
-            c, RIG_WARNING, path,
-            "nothing is pulled by more than %.2g mm: are these metres? Pulls are in mm, whatever "
-            "the unit of the rig",
-            longest);
+        report(c, RIG_WARNING, path,
+               "no contact is pulled by more than %.2g mm: are these metres? Pulls are in mm, "
+               "whatever the unit of the rig",
+               longest);
 }
 
-/* Of a bone's turn; lateral and forward of a jaw are mm. */
+/* True for the turns of a bone, which are angles; lateral and forward of a jaw are in mm. */
 static bool is_turn(const rig *r, const char *dof)
 {
     const char *dot = strrchr(dof, '.');
@@ -743,7 +747,7 @@ static bool is_turn(const rig *r, const char *dof)
     return false;
 }
 
-/* 0: it turns none. */
+/* Returns 0 if the pose turns no bone. */
 static double furthest_turn_deg(const rig *r, const rig_pose *pose)
 {
     double most_deg = 0.0;
@@ -753,7 +757,8 @@ static double furthest_turn_deg(const rig *r, const rig_pose *pose)
     return most_deg;
 }
 
-/* Small turns beside large ones of other poses are meant. */
+/* Warns only if no pose turns a bone far. Small turns beside large ones in other poses are
+ * intended. */
 static void check_turns(checking *c, const rig_pose *pose, const char *path)
 {
     double most_deg = furthest_turn_deg(c->r, pose), of_all_deg = 0.0;
@@ -761,11 +766,12 @@ static void check_turns(checking *c, const rig_pose *pose, const char *path)
         of_all_deg = fmax(of_all_deg, furthest_turn_deg(c->r, &c->r->pose[i]));
     if (most_deg > 0.0 && of_all_deg < 1.6)
         report(c, RIG_WARNING, path,
-               "no bone turns by more than %.2g degrees: are these radians? Degrees are meant",
+               "no bone turns by more than %.2g degrees: are these radians? Turns are in degrees",
                most_deg);
 }
 
-/* What it names of the other half, so that sums are not exact. */
+/* Warns about a pose of one half of the face that names something of the other half, since then
+ * sums of poses are not exact. */
 static void check_part(checking *c, const rig_pose *pose, const rig_pose_part *part,
                        const char *path)
 {
@@ -778,8 +784,8 @@ static void check_part(checking *c, const rig_pose *pose, const rig_pose_part *p
             other = pose->dof_name[i];
     if (other)
         report(c, RIG_WARNING, path,
-               "\"%s\" is not of the part \"%s\": poses of the two halves no longer add without "
-               "touching each other; take it out, or take out \"part\"",
+               "\"%s\" does not belong to the part \"%s\": poses of the two halves then influence "
+               "each other; remove it, or remove \"part\"",
                other, rig_pose_part_name[pose->part]);
 }
 
@@ -808,8 +814,8 @@ static void check_mouth(checking *c)
     char fault[BIND_FAULT];
     c->is_out_of_memory = c->is_out_of_memory || bind_lips_fault(fault, c->r, c->m, c->t, NULL) < 0;
     if (!c->is_out_of_memory && fault[0])
-        report(c, RIG_WARNING, "$.mouth", "%s; the face performs, but its lips are not sealed",
-               fault);
+        report(c, RIG_WARNING, "$.mouth",
+               "%s; the face can be performed, but its lips cannot be sealed", fault);
 }
 
 static void check_poses(checking *c)
@@ -823,11 +829,11 @@ static void check_poses(checking *c)
     check_parts(c);
 }
 
-/* ---- poses as they are performed ---- */
+/* ---- poses as performed ---- */
 
-static const double lips_mm = 12.0; /* around contacts of the lips */
+static const double lips_mm = 12.0; /* distance from a contact of the lips */
 
-/* 1: skin, 2: skin of the lips; of each vertex of the file. */
+/* Returns for each vertex of the file: 1 for skin, 2 for skin of the lips, else 0. */
 static uint8_t *find_skin(const checking *c)
 {
     uint8_t *out = calloc((size_t)c->m->vertex_count + 1, sizeof *out);
@@ -845,7 +851,7 @@ static uint8_t *find_skin(const checking *c)
     return out;
 }
 
-/* Greatest distance between two shapes, mm: of all skin, and of the lips. */
+/* Measures the greatest distance between two shapes in mm: of all skin, and of the lips alone. */
 static void measure_apart(double out_mm[2], const checking *c, const uint8_t *skin, const float *a,
                           const float *b)
 {
@@ -863,12 +869,13 @@ typedef struct comparing {
     checking *c;
     rig_poses_stage *stage;
     uint8_t *skin;
-    float *asked; /* vertex_count by 3 */
+    float *asked; /* vertex_count by 3: the pose without any limit */
     double worst_mm[2];
-    uint32_t worst[2]; /* poses */
+    uint32_t worst[2]; /* indices of poses */
 } comparing;
 
-/* What holds back skin that would fold, and what does not. */
+/* Compares a pose with the limits of the rig and without them. The limits hold back skin that
+ * would fold. */
 static mrt_result compare_performed(comparing *k, uint32_t pose, error *err)
 {
     static const double most_mm = 0.5;
@@ -882,11 +889,10 @@ static mrt_result compare_performed(comparing *k, uint32_t pose, error *err)
     measure_apart(apart_mm, k->c, k->skin, k->asked, k->stage->position);
     json_path path = rig_entry_path(k->c->r, RIG_POSES, pose);
     if (apart_mm[0] > most_mm)
-        report(
-            k->c, RIG_WARNING, path.text,
-            "\"%s\" is held back by up to %.2f mm (lips %.2f mm), as the skin would fold or tear; "
-            "pull by less, or pull the contacts beside too",
-            k->c->r->pose[pose].name, apart_mm[0], apart_mm[1]);
+        report(k->c, RIG_WARNING, path.text,
+               "\"%s\" is held back by up to %.2f mm (lips %.2f mm), because the skin would fold "
+               "or tear; pull by less, or also pull the contacts beside it",
+               k->c->r->pose[pose].name, apart_mm[0], apart_mm[1]);
     return MRT_OK;
 }
 
@@ -919,8 +925,8 @@ static mrt_result compare_poses(comparing *k, error *err)
     }
     if (result >= 0)
         report(k->c, RIG_NOTE, "$.poses",
-               "all %u contacts are held, and what a pose does not name goes where those that it "
-               "names bring it: within %.2f mm (\"%s\"), on the lips %.2f mm (\"%s\")",
+               "poses hold all %u contacts. With only the named ones held, the skin differs by at "
+               "most %.2f mm (\"%s\"), the lips by %.2f mm (\"%s\")",
                r->contact_count, k->worst_mm[0], r->pose[k->worst[0]].name, k->worst_mm[1],
                r->pose[k->worst[1]].name);
     return result;
@@ -935,7 +941,8 @@ mrt_result rig_check_poses(rig_findings *out, const rig *r, const mesh *m, const
         return MRT_OK;
     if (r->contact_count > MRT_MAX_VECTORS) {
         report(&c, RIG_NOTE, "$.contacts",
-               "of %u contacts at most %d are held at once: a pose holds those that it names",
+               "the rig has %u contacts, but at most %d can be held together: a pose holds only "
+               "the contacts that it names",
                r->contact_count, MRT_MAX_VECTORS);
         return MRT_OK;
     }
@@ -954,7 +961,7 @@ mrt_result rig_check_poses(rig_findings *out, const rig *r, const mesh *m, const
     return result;
 }
 
-/* ---- what makes it unusable ---- */
+/* ---- errors that make a rig unusable ---- */
 
 mrt_result rig_validate(const rig *r, const mesh *m, const topology *t, error *err)
 {
@@ -1022,7 +1029,8 @@ mrt_result rig_check(rig_findings *out, const rig *r, const mesh *m, const topol
     check_mouth(&c);
     check_poses(&c);
     if (!c.marks)
-        report(&c, RIG_NOTE, "$.regions", "contacts and parts are checked once this has no errors");
+        report(&c, RIG_NOTE, "$.regions",
+               "contacts and parts are checked after the errors are corrected");
     note_lines(&c, r->note);
     bind_marks_destroy(&marks);
     rig_anatomy_finish(&anatomy);

@@ -16,10 +16,10 @@
 enum { NOTE_CAP = 8192, LINE_TEXT = 512 };
 static const double coordinate_cap = 1e6;
 
-/* About how many bytes the values of a text take once they are parsed. */
+/* Estimates the memory, in bytes, of the parsed values of a text. */
 static size_t rig_json_memory(const void *data, size_t size)
 {
-    enum { OBJECT_BYTES = 256, ARRAY_BYTES = 128, VALUE_BYTES = 64 }; /* of jansson 2.14 */
+    enum { OBJECT_BYTES = 256, ARRAY_BYTES = 128, VALUE_BYTES = 64 }; /* sizes in jansson 2.14 */
     const char *text = data;
     size_t out = VALUE_BYTES;
     bool is_quoted = false;
@@ -65,7 +65,7 @@ mrt_result rig_json_text(char **out, const json_node *at, const char *expected, 
         return json_node_unexpected(err, at, expected);
     if (length > length_max || !text_is_printable(text_view_of(text, length)))
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s: expected at most %zu letters and no control characters",
+                         "%s: expected at most %zu characters and no control characters",
                          at->path.text, length_max);
     *out = strdup(text);
     return *out ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for the rig");
@@ -90,7 +90,7 @@ void rig_json_note_unknown(char **note, const json_node *object, const char *con
 {
     void *at = NULL;
     for (const char *key; (key = json_node_unknown(object, known, &at)) != NULL;)
-        rig_note(note, "%s: a key that this version does not know; it is kept",
+        rig_note(note, "%s: unknown key, ignored; it is kept in the file",
                  json_node_member(object, key).path.text);
 }
 
@@ -106,7 +106,7 @@ void rig_note(char **note, const char *format, ...)
         return;
     char *grown = realloc(*note, old + added + 2);
     if (!grown)
-        return; /* a note is never worth a failure */
+        return; /* a note that cannot be added is dropped */
     memcpy(grown + old, line, added);
     memcpy(grown + old + added, "\n", 2);
     *note = grown;
@@ -120,9 +120,9 @@ const char *const rig_section_key[RIG_SECTIONS] = {"bones",       "regions", "co
                                                    "skull_proxy", "poses",   "contact_sets"};
 static const uint32_t section_cap[RIG_SECTIONS] = {RIG_BONES_MAX, 1024, 1024, 64, 1024, 64};
 
-typedef struct loading { /* the files being read, outermost first */
+typedef struct loading { /* files being read, outermost first */
     rig_document *document;
-    const char *folder; /* as of rig_document_read */
+    const char *folder; /* as in rig_document_read */
     const char *path[RIG_INCLUDE_DEPTH_MAX + 1];
     uint32_t depth;
 } loading;
@@ -148,7 +148,7 @@ static mrt_result check_version(const json_node *root, error *err)
     json_node version = json_node_member(root, "marotte_rig");
     if (!version.value)
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s: expected the version of the format, 1; this is no rig file",
+                         "%s: expected 1, the version of the format; this is not a rig file",
                          version.path.text);
     if (!json_is_integer(version.value) || json_integer_value(version.value) != 1)
         return json_node_unexpected(err, &version, "1, the version that this program reads");
@@ -172,8 +172,8 @@ static mrt_result read_unit(rig_file *file, const json_node *root, error *err)
                                    : json_node_unexpected(err, &unit, "\"mm\", \"cm\" or \"m\"");
 }
 
-/* Takes `root` over, whatever it returns. `shown` names an included file in messages; NULL: the
- * rig itself. */
+/* Takes ownership of `root`, also on error. `shown` names an included file in messages; NULL for
+ * the rig itself. */
 static mrt_result add_file(rig_document *d, const char *path, const char *real_path, json_t *root,
                            const char *shown, error *err)
 {
@@ -259,12 +259,13 @@ static mrt_result check_chain(const loading *l, const char *real_path, error *er
 {
     for (uint32_t i = 0; i < l->depth; ++i)
         if (strcmp(l->path[i], real_path) == 0)
-            return refuse_chain(l, real_path, "a file includes itself; remove one of these", err);
+            return refuse_chain(l, real_path,
+                                "a file includes itself; remove one of these includes", err);
     if (l->depth > RIG_INCLUDE_DEPTH_MAX)
-        return refuse_chain(l, real_path, "more than 8 files deep; put some of them together", err);
-    if (l->document->file_count + l->depth >= RIG_FILES_MAX)
-        return refuse_chain(l, real_path, "more than 64 files in all; put some of them together",
+        return refuse_chain(l, real_path, "more than 8 levels of includes; merge some of the files",
                             err);
+    if (l->document->file_count + l->depth >= RIG_FILES_MAX)
+        return refuse_chain(l, real_path, "more than 64 files in all; merge some of them", err);
     return MRT_OK;
 }
 
@@ -327,7 +328,7 @@ static mrt_result load_file(loading *l, const char *path, const char *shown, err
 
 /* ---- entries ---- */
 
-/* A later file's entry takes the place of an earlier file's of the same name. */
+/* An entry of a later file replaces an entry of the same name from an earlier file. */
 static mrt_result add_entry(rig_document *d, rig_section section, const rig_entry *entry,
                             error *err)
 {
@@ -342,14 +343,15 @@ static mrt_result add_entry(rig_document *d, rig_section section, const rig_entr
         if (all[i].file == entry->file) {
             json_words word = json_shown(entry->name);
             return error_set(err, MRT_ERR_FORMAT,
-                             "%s: the name \"%s\" is taken by %s; choose another",
+                             "%s: the name \"%s\" is already used by %s; choose another name",
                              entry->node.path.text, word.text, all[i].node.path.text);
         }
         all[i] = *entry;
         return MRT_OK;
     }
     if (count >= section_cap[section])
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: more than %u are too many",
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "%s: more than %u entries are not supported; remove some",
                          entry->node.path.text, section_cap[section]);
     all[count] = *entry;
     d->entry_count[section] = count + 1;
@@ -375,7 +377,7 @@ static mrt_result add_list(rig_document *d, rig_section section, const json_node
 static mrt_result add_members(rig_document *d, rig_section section, const json_node *object,
                               uint32_t file, error *err)
 {
-    mrt_result result = json_node_object(object, "an object of lists of contacts", err);
+    mrt_result result = json_node_object(object, "an object with lists of contacts", err);
     json_t *value = result < 0 ? NULL : (json_t *)(uintptr_t)object->value;
     for (void *at = json_object_iter(value); result >= 0 && at;
          at = json_object_iter_next(value, at)) {
@@ -383,8 +385,7 @@ static mrt_result add_members(rig_document *d, rig_section section, const json_n
         rig_entry entry = {.node = json_node_member(object, key), .name = key, .file = file};
         if (key[0] == '\0' || strlen(key) > RIG_NAME_MAX ||
             !text_is_printable(text_view_of(key, strlen(key))))
-            return error_set(err, MRT_ERR_FORMAT,
-                             "%s: expected a name of 1 to %d letters as the key",
+            return error_set(err, MRT_ERR_FORMAT, "%s: expected a key of 1 to %d characters",
                              entry.node.path.text, RIG_NAME_MAX);
         result = add_entry(d, section, &entry, err);
     }
@@ -408,7 +409,7 @@ static mrt_result collect_section(rig_document *d, rig_section section, error *e
     return result;
 }
 
-/* A file without a unit takes that of the rig: the last that is said, else mm. */
+/* A file without a unit uses that of the rig: the last unit that a file sets, else mm. */
 static void settle_units(rig_document *d)
 {
     double unit = 1.0;
@@ -431,7 +432,7 @@ static mrt_result collect(rig_document *d, error *err)
 
 /* ---- reading and freeing ---- */
 
-/* The entries of what was read with this result; on an error it is freed. */
+/* Collects the entries if reading succeeded. On an error frees the document. */
 static mrt_result finish_reading(rig_document **out, mrt_result result, error *err)
 {
     if (result >= 0)
@@ -466,7 +467,7 @@ mrt_result rig_document_parse(rig_document **out, const void *data, size_t size,
         result = add_file(*out, path, NULL, root, NULL, err);
     if (result >= 0 && json_object_get(root, "include"))
         result = error_set(err, MRT_ERR_UNSUPPORTED,
-                           "$.include: a rig that is no file cannot include one");
+                           "$.include: a rig that is not a file cannot include one");
     return finish_reading(out, result, err);
 }
 
@@ -514,9 +515,10 @@ json_node rig_document_paint(const rig_document *d, const char *name, uint32_t *
     return (json_node){NULL, {"$.paints"}};
 }
 
-/* ---- which entry is which ---- */
+/* ---- entries of the rig and of the file ---- */
 
-/* By which an entry is found again; NULL: it knows its source, or only its index. */
+/* Returns the name that identifies an entry, or NULL for entries that store their source or have
+ * only an index. */
 static const char *matched_name(const rig *r, rig_section section, uint32_t index)
 {
     switch (section) {

@@ -16,22 +16,23 @@
 #include <string.h>
 
 enum { REGIONS_MAX = 200 };
-#define DRAFT_MOST (8u * LAPLACE_FREE_MOST) /* vertices: of a head an eighth is a face at least */
-#define NECK       0.6  /* of the reach: so far below the chin the skin is drawn along */
-#define EYE_REACH  1.28 /* of an eyeball's radius: so far around it nothing is pulled */
-#define EYE_FREE   1.6  /* of it: from here on skin is pulled whole */
-#define LIPS_DEEP  0.15 /* of the reach: so far behind other skin what is pulled is pulled whole */
-#define MOUTH_DEEP 0.45 /* from here on nothing is */
-#define LID_REACH  1.22 /* of an eyeball's radius: so far in front of it lids are */
+/* Greatest number of vertices. At least an eighth of a head is its face. */
+#define DRAFT_MOST (8u * LAPLACE_FREE_MOST)
+#define NECK       0.6  /* of the reach: depth below the chin to which pulls draw the skin along */
+#define EYE_REACH  1.28 /* of an eyeball's radius: inside this sphere the skin cannot be pulled */
+#define EYE_FREE   1.6  /* of an eyeball's radius: outside this sphere the mobility is 1 */
+#define LIPS_DEEP  0.15 /* of the reach: depth behind other skin up to which the mobility is 1 */
+#define MOUTH_DEEP 0.45 /* of the reach: depth behind other skin from which the mobility is 0 */
+#define LID_REACH  1.22 /* of an eyeball's radius: greatest distance of a lid from the centre */
 
-typedef enum ambition { /* what a draft has: less is tried where more does not load */
+typedef enum ambition { /* contents of a draft; reduced if a draft cannot be loaded */
                         ALL = 0,
                         WITHOUT_LIDS,
                         WITHOUT_PIECES,
                         AMBITIONS
 } ambition;
 
-typedef struct patch { /* of skin that is not to be bent: the end of a slit */
+typedef struct patch { /* a patch of skin that must not bend: the end of a slit */
     vec3 at;
     double radius_mm;
 } patch;
@@ -46,22 +47,22 @@ typedef struct drafting {
     ambition ambition;
     patch patch[PATCHES_MAX];
     uint32_t patch_count;
-    double reach_mm; /* from the nose down to the chin: what a face is measured in */
+    double reach_mm; /* height from the nose down to the chin: the unit of measure of a face */
     json_t *bones, *regions, *contacts;
     rig_mouth mouth;
-    char no_mouth[BIND_FAULT]; /* why none was found; "": it was */
+    char no_mouth[BIND_FAULT]; /* why no mouth was found; "" if one was */
     char *confirm;             /* lines */
 } drafting;
 
-static const char *const sure[] = {[BY_SHAPE] = "by its shape: likely",
-                                   [BY_NAME] = "by its name: sure",
-                                   [BY_SKELETON] = "by the skeleton: sure"};
+static const char *const sure[] = {[BY_SHAPE] = "by its shape (likely)",
+                                   [BY_NAME] = "by its name (certain)",
+                                   [BY_SKELETON] = "by the skeleton (certain)"};
 
 static const double degree_per_radian = 57.29577951308232;
 
-#define HEAD_LEAST_MM 10.0 /* positions are told to 0.1 mm */
+#define HEAD_LEAST_MM 10.0 /* positions are written to 0.1 mm */
 
-/* To 0.1 mm. */
+/* Rounds to 0.1 mm. */
 static json_t *point_of(vec3 p)
 {
     return rig_point_to_json((vec3){round(10.0 * p.x), round(10.0 * p.y), round(10.0 * p.z)}, 10.0);
@@ -74,8 +75,8 @@ typedef enum level { FROM_NOSE, FROM_MOUTH, FROM_CHIN } level;
 #define CORNER_ACROSS 0.362
 #define CORNER_UP     (-0.020)
 
-/* Where contacts are on the ICT face: across in half widths of the face, up in reaches (nose to
- * chin) from one of three levels. */
+/* Places of contacts on the ICT face. Across is in half widths of the face; up is in reaches
+ * (nose to chin), measured from one of three levels. */
 static const struct {
     const char *name;
     double across, up;
@@ -104,7 +105,7 @@ static bool snap(uint32_t *out_vertex, const drafting *d, int index)
     const double level_y[] = {head->nose.y, head->mouth_y, head->chin.y};
     double across = standard[index].across * head->half_width;
     double reach = d->reach_mm;
-    if (standard[index].from == FROM_NOSE && standard[index].up > 0.5) /* low foreheads */
+    if (standard[index].from == FROM_NOSE && standard[index].up > 0.5) /* for low foreheads */
         reach = fmin(reach, 0.6 * (head->top_y - head->nose.y));
     double y = level_y[standard[index].from] + standard[index].up * reach;
     if (standard[index].from == FROM_MOUTH) {
@@ -136,14 +137,14 @@ static void add_pair(drafting *d, int index, uint32_t vertex)
     double off_mm;
     uint32_t other = rig_mirror_of(d->m, d->a.is_face, vertex, d->head.middle_x, &off_mm);
     if (other == vertex) {
-        rig_note(&d->confirm, "contacts %s and %s: the mesh is too coarse there; left out", left,
-                 right);
+        rig_note(&d->confirm, "contacts %s and %s: left out, because the mesh is too coarse there",
+                 left, right);
         return;
     }
     if (off_mm > 2.0)
         rig_note(&d->confirm,
-                 "contact %s: the mesh has no mirror image of vertex %u; the nearest "
-                 "is %.1f mm off",
+                 "contact %s: the mesh has no mirror image of vertex %u; the nearest vertex is "
+                 "%.1f mm off",
                  right, vertex, off_mm);
     add_contact(d, left, vertex, right);
     add_contact(d, right, other, left);
@@ -158,29 +159,28 @@ static bool is_taken(const drafting *d, uint32_t vertex)
     return false;
 }
 
-/* The 27 standard contacts, as far as the face has room for them. */
+/* Places the 27 standard contacts, as far as the face has room for them. */
 static void draft_contacts(drafting *d)
 {
     for (int i = 0; i < STANDARD_COUNT; ++i) {
         uint32_t vertex;
         bool is_pair = standard[i].across > 0.0;
         if (!snap(&vertex, d, i) || is_taken(d, vertex))
-            rig_note(&d->confirm, "contact %s%s: no place of its own was found; left out",
+            rig_note(&d->confirm, "contact %s%s: left out, because no free place was found for it",
                      standard[i].name, is_pair ? " (.l and .r)" : "");
         else if (is_pair)
             add_pair(d, i, vertex);
         else
             add_contact(d, standard[i].name, vertex, NULL);
     }
-    rig_note(
-        &d->confirm,
-        "contacts: %zu were laid on the front of the face by its proportions: likely; look at "
-        "them with marotte rig show, above all at the lips (upper above, lower below the slit) and "
-        "the corners of the mouth",
-        json_array_size(d->contacts));
+    rig_note(&d->confirm,
+             "contacts: %zu contacts were placed on the front of the face by its proportions "
+             "(likely). Check them with marotte rig show, above all at the lips (upper above, "
+             "lower below the slit) and the corners of the mouth",
+             json_array_size(d->contacts));
 }
 
-/* The vertex of a contact that is there; RIG_NONE: it is not. */
+/* Returns the vertex of a contact in the draft, or RIG_NONE. */
 static uint32_t contact_vertex(const drafting *d, const char *name)
 {
     for (size_t i = 0; i < json_array_size(d->contacts); ++i) {
@@ -199,7 +199,7 @@ static json_t *piece_select(const anatomy_piece *p)
     return json_pack("{sI}", "piece", (json_int_t)p->vertex);
 }
 
-/* One, or any of them. */
+/* Joins the selectors of a list with "any". A list of one becomes that selector. */
 static json_t *any_of(json_t *list)
 {
     json_t *only = json_array_size(list) == 1 ? json_incref(json_array_get(list, 0)) : NULL;
@@ -209,7 +209,7 @@ static json_t *any_of(json_t *list)
     return only;
 }
 
-/* `select`, of the piece that is the face. */
+/* Restricts `select` to the piece that is the face. */
 static json_t *of_face(const drafting *d, json_t *select)
 {
     return d->a.piece_count < 2
@@ -222,7 +222,7 @@ static const char *part_name(const drafting *d, uint32_t part)
     return part < d->m->part_count ? d->m->part[part].name : "";
 }
 
-/* The pieces of a kind that are of one part of the mesh, as one region. */
+/* Adds one region for all pieces of a kind that belong to one part of the mesh. */
 static void add_rigid_pieces(drafting *d, const char *bone, piece_kind kind, uint32_t first)
 {
     const anatomy_piece *like = &d->a.piece[first];
@@ -249,7 +249,7 @@ static void add_rigid_pieces(drafting *d, const char *bone, piece_kind kind, uin
                  name, bone, sure[source]);
 }
 
-static bool came_before(const drafting *d, uint32_t piece)
+static bool is_same_as_earlier(const drafting *d, uint32_t piece)
 {
     for (uint32_t i = 0; i < piece; ++i)
         if (d->a.piece[i].kind == d->a.piece[piece].kind &&
@@ -258,7 +258,8 @@ static bool came_before(const drafting *d, uint32_t piece)
     return false;
 }
 
-/* What is rigid, each kind on its bone. Bodies with a skin follow it. */
+/* Makes pieces rigid on the bone of their kind. A body with a skin is left out, because its
+ * skin gives the weights. */
 static void draft_pieces(drafting *d)
 {
     static const char *const bone_of[] = {
@@ -272,7 +273,7 @@ static void draft_pieces(drafting *d)
             bone = d->a.has_body ? "body" : "skull";
         if (!d->a.has_face && kind == PIECE_RIDES && d->a.head_joint != MESH_NO_JOINT)
             bone = NULL;
-        if (bone && !came_before(d, i))
+        if (bone && !is_same_as_earlier(d, i))
             add_rigid_pieces(d, bone, kind, i);
     }
 }
@@ -305,7 +306,7 @@ static void add_region(drafting *d, const char *bone, const char *key, json_t *v
     json_array_append_new(d->regions, region);
 }
 
-/* A head alone: what cannot be pulled. */
+/* Adds the region that cannot be pulled, for a head without a body. */
 static void add_cranium(drafting *d)
 {
     const rig_head *head = &d->head;
@@ -323,7 +324,7 @@ static void add_cranium(drafting *d)
              top.y, back.z, neck.y);
 }
 
-/* What the fill is to be smooth in: the front of the face, and pieces that follow it. */
+/* Selects where the fill must be smooth: the front of the face, and pieces that follow it. */
 static json_t *free_part(const drafting *d)
 {
     const rig_head *head = &d->head;
@@ -346,7 +347,8 @@ static json_t *beside(const drafting *d, json_t *select)
     return d->a.has_face ? json_pack("{s[o{so}]}", "all", select, "not", free_part(d)) : select;
 }
 
-/* What rides on a bone as a whole. Of a head without a face it is clay, else rigid. */
+/* Adds a region that moves wholly with a bone. On the skull, a head without a face can be
+ * pulled like clay; otherwise the region cannot be pulled. */
 static void add_held(drafting *d, const char *bone, json_t *select)
 {
     bool is_clay = !d->a.has_face && strcmp(bone, "skull") == 0;
@@ -354,7 +356,8 @@ static void add_held(drafting *d, const char *bone, json_t *select)
                                                 "mobility", is_clay, "select", select));
 }
 
-/* A head on a body: the skin of the file says what turns, else the height. */
+/* Adds the regions of a head on a body. The file's skin decides which vertices turn with the head;
+ * without a skin their height decides. */
 static void add_body(drafting *d)
 {
     if (d->a.head_joint != MESH_NO_JOINT) {
@@ -362,8 +365,8 @@ static void add_body(drafting *d)
         add_held(d, "skull", beside(d, json_pack("{ss}", "joint", joint)));
         add_held(d, "body", beside(d, json_pack("{s{ss}}", "not", "joint", joint)));
         rig_note(&d->confirm,
-                 "bones body and skull: what follows the joint %s in the file's skin turns with "
-                 "the head, %s",
+                 "bones body and skull: vertices that follow the joint %s in the file's skin turn "
+                 "with the head, %s",
                  joint, sure[BY_SKELETON]);
         return;
     }
@@ -375,7 +378,7 @@ static void add_body(drafting *d)
              sure[BY_SHAPE]);
 }
 
-/* Behind the lips, so deep (mm). */
+/* Selects vertices behind the lips that are deeper than deep_mm. */
 static json_t *hidden_vertices(const drafting *d, double deep_mm)
 {
     const uint32_t count = d->m->vertex_count;
@@ -392,7 +395,7 @@ static json_t *hidden_vertices(const drafting *d, double deep_mm)
     return json_pack("{so}", "vertices", list);
 }
 
-/* The skin around the eyes that are found, so many radii of them far. */
+/* Selects the skin around the eyes that were found, up to a number of eye radii. */
 static json_t *around_eyes(const drafting *d, double radii)
 {
     json_t *list = json_array();
@@ -404,8 +407,9 @@ static json_t *around_eyes(const drafting *d, double radii)
     return json_pack("{so}", "any", list);
 }
 
-/* What can be pulled: the front of the face; not the deep of the mouth, the lids and the neck. What
- * lies between is filled: where it changed from one vertex to the next, the skin would fold. */
+/* Adds the mobility of the face: 1 on the front, 0 deep in the mouth, on the lids and on the
+ * neck. Vertices between these are filled, since the skin would fold if the mobility jumped
+ * from one vertex to the next. */
 static void add_mobile_face(drafting *d)
 {
     const rig_head *head = &d->head;
@@ -428,13 +432,13 @@ static void add_mobile_face(drafting *d)
         add_region(d, NULL, "mobility", json_integer(0), of_face(d, around_eyes(d, EYE_REACH)));
 }
 
-/* What rides on a bone whole, around a contact and on one side of the mouth. */
+/* Adds a region that moves wholly with a bone, around a contact and on one side of the mouth. */
 static void add_lip(drafting *d, const char *bone, const char *contact, double up)
 {
     uint32_t vertex = contact_vertex(d, contact);
     if (vertex == RIG_NONE)
         return;
-    /* Lips that are one surface at the back of an open mouth bend there. */
+    /* Lips that are one surface at the back of an open mouth must be able to bend there. */
     double mm = fmin(0.15 * d->reach_mm, 0.3 * d->a.lips_mm);
     vec3 slit = {d->head.middle_x, 0.5 * (d->head.lip_upper_y + d->head.lip_lower_y), 0.0};
     json_t *within =
@@ -443,7 +447,7 @@ static void add_lip(drafting *d, const char *bone, const char *contact, double u
                json_pack("{s[oo]}", "all", within, half_space(slit, (vec3){0, up, 0})));
 }
 
-/* What no jaw moves: from the nose upwards, and the middle of the upper lip. */
+/* Adds the region that no jaw moves: from the nose upwards, and the middle of the upper lip. */
 static void add_upper_face(drafting *d)
 {
     const rig_head *head = &d->head;
@@ -459,11 +463,11 @@ static void add_upper_face(drafting *d)
 static void note_mouth(drafting *d)
 {
     if (d->no_mouth[0])
-        rig_note(&d->confirm, "mouth: the lips cannot be sealed, since %s: likely", d->no_mouth);
+        rig_note(&d->confirm, "mouth: the lips cannot be sealed, since %s (likely)", d->no_mouth);
     else
         rig_note(&d->confirm,
                  "mouth: lips.seal brings its rims together, %u vertices of the upper lip and %u "
-                 "of the lower one: likely",
+                 "of the lower one (likely)",
                  d->mouth.upper_count, d->mouth.lower_count);
 }
 
@@ -478,34 +482,33 @@ static void add_jaw(drafting *d)
                of_face(d, json_pack("{s[oo]}", "all", ellipsoid(chin, radii),
                                     half_space(lip, (vec3){0, -1, 0}))));
     if (!d->a.has_slit && d->a.has_parted_lips) {
-        rig_note(&d->confirm, "mouth: what lies between the lips would fold if they parted: sure; "
-                              "it is performed as clay, and the jaw only stretches the skin");
+        rig_note(&d->confirm,
+                 "mouth: the skin between the lips would fold if they parted (certain). The face "
+                 "is performed as clay, and the jaw only stretches the skin");
         return;
     }
     if (!d->a.has_slit) {
-        rig_note(
-            &d->confirm,
-            "mouth: there is no slit between the lips: likely; it is performed as clay, and "
-            "the jaw only stretches the skin; a mouth can be cut (on the command line: marotte rig "
-            "new --cut-mouth), which opens the edges between the lips and hangs a dark bag "
-            "behind them");
+        rig_note(&d->confirm, "mouth: there is no slit between the lips (likely). The face is "
+                              "performed as clay, and the jaw only stretches the skin. A mouth can "
+                              "be cut (on the command line: marotte rig new --cut-mouth): this "
+                              "opens the edges between the lips and adds a dark bag behind them");
         return;
     }
     add_lip(d, "skull", "lip.upper.mid", 1.0);
     add_lip(d, "jaw", "lip.lower.mid", -1.0);
     rig_note(&d->confirm,
-             "regions jaw: the chin (an ellipsoid) and the lower lip below y = %.1f mm ride on the "
-             "jaw, the upper lip above it on the skull: likely",
+             "regions jaw: the chin (an ellipsoid) and the lower lip below y = %.1f mm move with "
+             "the jaw, the upper lip above it with the skull (likely)",
              head->mouth_y);
 }
 
 /* ---- lids ---- */
 
-typedef struct lid_edges { /* of the eye's middle, seen from its centre: how far up, rad */
+typedef struct lid_edges { /* angles above the eye's middle, seen from its centre, rad */
     double upper, lower;
 } lid_edges;
 
-/* The edges of the skin in front of a ball. */
+/* Finds the upper and the lower edge of the skin in front of an eyeball. */
 static bool find_lids(lid_edges *out, const drafting *d, const anatomy_eye *eye)
 {
     bool has_upper = false, has_lower = false;
@@ -540,7 +543,7 @@ static void add_lid(drafting *d, const char *side, const char *which, const anat
                             "centre", point_of(eye->centre), "radius_mm", round(10.0 * r) / 10.0,
                             "turns", "name", "close", "axis", sign, 0, 0, "deg",
                             sign > 0.0 ? -12 : -8, (int)floor(close_rad * degree_per_radian)));
-    /* A plane through the ball's axis, a little beyond the corners of the eye. */
+    /* A plane through the axis of the ball, a little beyond the corners of the eye. */
     vec3 up = {0.0, sign * cos(0.5 * edge), -sign * sin(0.5 * edge)};
     vec3 front = {eye->centre.x, eye->centre.y, eye->centre.z + 0.25 * r};
     vec3 radii = {LID_REACH * r, LID_REACH * r, LID_REACH * r};
@@ -550,7 +553,8 @@ static void add_lid(drafting *d, const char *side, const char *which, const anat
                              half_space(front, (vec3){0, 0, 1}), half_space(eye->centre, up))));
 }
 
-/* Lids that are part of the skin: a band around the ball, and the skull beyond it. */
+/* Adds lids that are part of the skin: a band around the ball that moves with the lid, and the
+ * skin beyond it, which stays on the skull. */
 static void draft_lids(drafting *d)
 {
     static const char *const sides[] = {"l", "r"};
@@ -568,8 +572,8 @@ static void draft_lids(drafting *d)
         add_lid(d, sides[i], "upper", eye, 1.0, edges.upper, 0.75 * gap);
         add_lid(d, sides[i], "lower", eye, -1.0, -edges.lower, 0.25 * gap);
         rig_note(&d->confirm,
-                 "bones lid_upper.%s and lid_lower.%s: the skin around the ball of the eye, %.0f "
-                 "degrees open: a guess",
+                 "bones lid_upper.%s and lid_lower.%s: the skin around the eyeball, %.0f degrees "
+                 "open (a guess)",
                  sides[i], sides[i], gap * degree_per_radian);
     }
 }
@@ -583,7 +587,7 @@ static void add_patches(drafting *d)
     }
 }
 
-/* ---- all of it ---- */
+/* ---- the whole rig ---- */
 
 static mrt_result no_memory(error *err)
 {
@@ -633,16 +637,17 @@ static void draft_eyes(drafting *d)
         add_ball(d, names[i], NULL, eye->centre, eye->radius_mm,
                  json_pack("[oo]", turn_of("yaw", (vec3){0, 1, 0}, 35),
                            turn_of("pitch", (vec3){-1, 0, 0}, 25)));
-        rig_note(&d->confirm,
-                 "bone %s: turns about (%.1f, %.1f, %.1f) mm, the middle of a ball of "
-                 "%.1f mm: likely",
-                 names[i], eye->centre.x, eye->centre.y, eye->centre.z, eye->radius_mm);
+        rig_note(
+            &d->confirm,
+            "bone %s: turns about (%.1f, %.1f, %.1f) mm, the centre of a ball of %.1f mm (likely)",
+            names[i], eye->centre.x, eye->centre.y, eye->centre.z, eye->radius_mm);
     }
 }
 
-/* Where jaw joints are in heads (theory 4.2): 0.44 of the way from chin to top and 0.55 from back
- * to front, somewhat inside the sides of the face. A skeleton knows it better. */
-enum { CLAY_OPEN_DEG = 10 }; /* of a jaw that only stretches the skin */
+/* Jaw joints of human heads (theory 4.2) are 0.44 of the way from chin to top and 0.55 of the way
+ * from back to front. They are a little inside the sides of the face. A skeleton or ears give a
+ * better place. */
+enum { CLAY_OPEN_DEG = 10 }; /* for a jaw that only stretches the skin */
 
 static void draft_jaw(drafting *d)
 {
@@ -664,13 +669,13 @@ static void draft_jaw(drafting *d)
     vec3 right = {2.0 * head->middle_x - left.x, left.y, left.z};
     vec3 incisor = {head->middle_x, head->mouth_y, head->mouth_z - 0.08 * d->reach_mm};
     double turn_mm = hypot(incisor.y - left.y, incisor.z - left.z);
-    /* So wide that the incisors part by 50 mm on a head of 225 (theory 4.2); without a slit the
-     * skin only stretches. */
+    /* Open far enough that the incisors part by 50 mm on a head of 225 mm (theory 4.2). Without
+     * a slit the jaw only stretches the skin. */
     double gap_mm = 50.0 / 225.0 * (head->top_y - head->chin.y);
     double open =
         2.0 * asin(fmin(0.5 * gap_mm / fmax(turn_mm, 0.5 * gap_mm), 1.0)) * degree_per_radian;
     int open_deg = (int)fmin(fmax(round(open), 16.0), 32.0);
-    double size = (head->top_y - head->chin.y) / 225.0; /* an adult's numbers, to size */
+    double size = (head->top_y - head->chin.y) / 225.0; /* scale of an adult's numbers */
     json_array_append_new(
         d->bones, json_pack("{ss, s{so, so}, s[ii], so, so, so, so}", "name", "jaw", "hinge",
                             "left", point_of(left), "right", point_of(right), "open_deg", 0,
@@ -679,17 +684,17 @@ static void draft_jaw(drafting *d)
                             rig_number_to_json(round(80.0 * size) / 10.0), "slide_mm",
                             rig_number_to_json(d->a.has_slit ? round(60.0 * size) / 10.0 : 0.0),
                             "incisor", point_of(incisor)));
-    rig_note(&d->confirm,
-             "bone jaw: turns about the line through (%.1f, %.1f, %.1f) and its mirror image, mm, "
-             "%s",
-             left.x, left.y, left.z,
-             source != BY_SHAPE ? sure[source]
-             : d->a.has_ears    ? "beside the holes of the ears: likely"
-                                : "by the proportions of heads: likely");
-    rig_note(&d->confirm,
-             "bone jaw: the edge of the lower front teeth is taken to be at (%.1f, "
-             "%.1f, %.1f) mm: a guess",
-             incisor.x, incisor.y, incisor.z);
+    rig_note(
+        &d->confirm,
+        "bone jaw: turns about the line through (%.1f, %.1f, %.1f) and its mirror image, mm, %s",
+        left.x, left.y, left.z,
+        source != BY_SHAPE ? sure[source]
+        : d->a.has_ears    ? "beside the holes of the ears (likely)"
+                           : "by the proportions of heads (likely)");
+    rig_note(
+        &d->confirm,
+        "bone jaw: the edge of the lower front teeth is assumed at (%.1f, %.1f, %.1f) mm (a guess)",
+        incisor.x, incisor.y, incisor.z);
 }
 
 static json_t *draft_proxy(drafting *d)
@@ -698,8 +703,9 @@ static json_t *draft_proxy(drafting *d)
     double height = head->top_y - head->chin.y, depth = head->nose.z - head->back_z;
     vec3 centre = {head->middle_x, head->chin.y + 0.6 * height, head->back_z + 0.45 * depth};
     vec3 radii = {0.85 * head->half_width, 0.36 * height, 0.36 * depth};
-    rig_note(&d->confirm, "skull_proxy: one ellipsoid that the skin will not enter; see that it "
-                          "lies under the skin");
+    rig_note(
+        &d->confirm,
+        "skull_proxy: one ellipsoid that the skin cannot enter; check that it is below the skin");
     return json_pack("[{s{so, so, ss}}]", "ellipsoid", "centre", point_of(centre), "radii",
                      point_of(radii), "bone", "skull");
 }
@@ -740,7 +746,8 @@ static json_t *draft_document(drafting *d, const char *mesh_name)
                      "none");
 }
 
-/* By way of its text, so that a draft is what any rig file is. */
+/* Serialises the draft and parses it again, so that it goes through the same checks as any rig
+ * file. */
 static mrt_result parse_draft(rig *out, const json_t *document, const char *mesh_path,
                               const char *mesh_name, error *err)
 {
@@ -764,23 +771,25 @@ static mrt_result parse_draft(rig *out, const json_t *document, const char *mesh
     return no_memory(err);
 }
 
-static void say_what_it_is(drafting *d)
+static void note_assumptions(drafting *d)
 {
     const rig_head *head = &d->head;
     if (d->a.head_count > 1)
-        rig_note(&d->confirm,
-                 "heads: there are %u; the one in front is performed, the others stay as they are",
+        rig_note(&d->confirm, "heads: the mesh has %u heads; only the one in front is performed",
                  d->a.head_count);
     if (!d->a.has_face) {
-        rig_note(&d->confirm, "face: none is seen: the head turns, and is clay");
+        rig_note(&d->confirm,
+                 "face: no face was found; the head can turn, and is pulled like clay");
         return;
     }
-    rig_note(&d->confirm, "unit: the head is %.0f mm from chin to top; is that the puppet's size?",
-             head->top_y - head->chin.y);
-    rig_note(&d->confirm, "symmetry: left and right are mirrored in x = %.2f mm", head->middle_x);
     rig_note(&d->confirm,
-             "face: the nose's tip is at y = %.1f mm, the mouth at %.1f mm, the chin ends at %.1f "
-             "mm, by its shape: likely; all places below follow from these",
+             "unit: the head is %.0f mm from chin to top; is this the size of the puppet?",
+             head->top_y - head->chin.y);
+    rig_note(&d->confirm, "symmetry: left and right are mirror images across x = %.2f mm",
+             head->middle_x);
+    rig_note(&d->confirm,
+             "face: the tip of the nose is at y = %.1f mm, the mouth at %.1f mm, the end of the "
+             "chin at %.1f mm, by its shape (likely). All places below are derived from these",
              head->nose.y, head->mouth_y, head->chin.y);
 }
 
@@ -789,7 +798,7 @@ static mrt_result draft_once(rig *out, drafting *d, const char *mesh_path, error
     const char *slash = strrchr(mesh_path, '/'), *mesh_name = slash ? slash + 1 : mesh_path;
     free(d->confirm);
     d->confirm = NULL;
-    say_what_it_is(d);
+    note_assumptions(d);
     json_t *document = draft_document(d, mesh_name);
     mrt_result result = parse_draft(out, document, mesh_path, mesh_name, err);
     json_decref(document);
@@ -804,10 +813,10 @@ static mrt_result draft_once(rig *out, drafting *d, const char *mesh_path, error
     return result;
 }
 
-/* ---- tried ---- */
+/* ---- tested for folds ---- */
 
-/* Where the weights of two bones meet at the end of a slit they change within a triangle. A small
- * patch of one weight there is bent as one. */
+/* Finds where an open jaw folds the skin at the end of the slit. There the weights of two bones
+ * meet within one triangle. A small patch with one weight bends as a whole instead. */
 static mrt_result find_patch(drafting *d, const rig *r, bool *out_found, error *err)
 {
     face *f = NULL;
@@ -834,12 +843,12 @@ static mrt_result find_patch(drafting *d, const rig *r, bool *out_found, error *
     return result;
 }
 
-/* A degree of freedom where the rig keeps it: from rest to one end. */
+/* One direction of a degree of freedom: from rest to one end of its range in the rig. */
 typedef struct freedom {
     double *end;
     uint32_t dof;
     bool is_lid, is_eye, is_jaw_open;
-    bool is_mirrored; /* the number is that of the other side too */
+    bool is_mirrored; /* the other side has the same limit */
 } freedom;
 
 enum { FREEDOMS_MAX = 2 * MRT_MAX_DOFS, TRIES = 48, BISECTIONS = 6 };
@@ -873,8 +882,8 @@ static double determinant_of(face *f, const float *dof)
     return face_pull(f, NULL, dof, NULL) < 0 ? -1.0 : face_min_determinant(f);
 }
 
-/* Alone, so much of the way to its end, and to that on the other side where one number says both:
- * heads are not always mirror images. */
+/* Tests one freedom alone, at a part of the way to its end. If one limit holds for both sides,
+ * tests the other side too, since heads are not always mirror images. */
 static bool folds_alone(face *f, const freedom *one, double part)
 {
     float dof[MRT_MAX_DOFS] = {0};
@@ -908,7 +917,8 @@ static double drawn(uint64_t *seed) /* 0..1, xorshift (Marsaglia 2003) */
     return (double)(*seed >> 11) * 0x1p-53;
 }
 
-/* All together, at random: everything gives way until nothing folds. */
+/* Tests random combinations. Returns the factor by which all ranges must shrink until nothing
+ * folds. */
 static double part_together(face *f, const freedom *all, uint32_t count)
 {
     double part = 1.0;
@@ -932,11 +942,11 @@ static double part_together(face *f, const freedom *all, uint32_t count)
     return part;
 }
 
-/* Of the eye's pitch, which is positive upwards. */
+/* shares of the eye's pitch, which is positive upwards */
 static const double upper_lid_follows = -0.6, lower_lid_follows = 0.25;
 
-/* Lids go with the gaze. Tried without: a lid that follows stays within its limits, so nothing
- * folds that did not before, and no eye is held back because of its lid. */
+/* Makes the lids follow the gaze. The tests for folds run without this: a lid that follows
+ * stays within its limits, so it adds no fold, and no eye is held back because of its lid. */
 static void add_follows(rig *r, drafting *d)
 {
     const struct {
@@ -958,14 +968,14 @@ static void add_follows(rig *r, drafting *d)
     if (any)
         rig_note(&d->confirm,
                  "lids follow the gaze up and down, the upper ones by %.0f %%, the lower ones by "
-                 "%.0f %%: likely",
+                 "%.0f %% (likely)",
                  -100.0 * upper_lid_follows, 100.0 * lower_lid_follows);
 }
 
 /* ---- teeth ---- */
 
-/* Added to the height of a row, on the side of the gums: the inside of the mouth covers them there,
- * and skin must stop in front of it. */
+/* Added to the height of a row on the side of the gums, as a share of its radius. There the
+ * inside of the mouth covers the teeth, and the skin must stop in front of it. */
 static const double beside_gums = 0.45;
 
 static uint32_t list_teeth(vec3 *out, const mesh *m, const rig_anatomy *a, piece_kind kind)
@@ -982,7 +992,7 @@ static mrt_result fit_teeth(rig *r, const mesh *m, const rig_anatomy *a, error *
     static const struct {
         piece_kind kind;
         const char *bone;
-        double gums; /* 1: above the teeth */
+        double gums; /* 1: above the teeth; -1: below */
     } row[] = {{PIECE_TEETH_UPPER, "skull", 1.0}, {PIECE_TEETH_LOWER, "jaw", -1.0}};
     vec3 *tooth = malloc(((size_t)m->vertex_count + 1) * sizeof *tooth);
     mrt_result result = tooth ? MRT_OK : no_memory(err);
@@ -1017,11 +1027,11 @@ mrt_result rig_draft_teeth(rig *r, const mesh *m, const topology *t, error *err)
 }
 
 typedef struct trial {
-    bool has_lids; /* lids that can hardly close are worse than none */
-    bool opens;    /* the jaw, at least as far as clay does */
+    bool has_lids; /* false: the lids can hardly close, and are better left out */
+    bool opens;    /* the jaw opens by at least CLAY_OPEN_DEG */
 } trial;
 
-/* Moves every bone to its ends: where the skin would fold, less is allowed. */
+/* Moves every bone to its ends, and shortens its range where the skin would fold. */
 static mrt_result try_bones(rig *r, drafting *d, trial *out, error *err)
 {
     freedom all[FREEDOMS_MAX];
@@ -1041,17 +1051,18 @@ static mrt_result try_bones(rig *r, drafting *d, trial *out, error *err)
             out->opens = false;
         if (part < 1.0)
             rig_note(&d->confirm,
-                     "%s: to %.0f %% of what is usual, where the skin would fold: sure", name,
-                     100.0 * part);
+                     "%s: limited to %.0f %% of the usual range, because the skin would fold "
+                     "beyond (certain)",
+                     name, 100.0 * part);
     }
     double part = part_together(f, all, count);
     for (uint32_t i = 0; i < count; ++i)
         *all[i].end *= all[i].is_eye ? 1.0 : part;
     if (part < 1.0)
-        rig_note(
-            &d->confirm,
-            "all but the eyes: to %.0f %%, so that nothing folds when they come together: sure",
-            100.0 * part);
+        rig_note(&d->confirm,
+                 "all bones except the eyes: limited to %.0f %%, so that no combination folds the "
+                 "skin (certain)",
+                 100.0 * part);
     face_destroy(f);
     return MRT_OK;
 }
@@ -1065,7 +1076,7 @@ static void drop_mouth(rig_mouth *mouth)
     *mouth = (rig_mouth){0};
 }
 
-/* Keeps rims only if they can be sealed, else writes why not. */
+/* Keeps the rims only if they can be sealed. Otherwise writes the reason to `why_not`. */
 static mrt_result check_mouth(rig_mouth *mouth, char why_not[BIND_FAULT], const mesh *m,
                               const topology *t, error *err)
 {
@@ -1076,7 +1087,7 @@ static mrt_result check_mouth(rig_mouth *mouth, char why_not[BIND_FAULT], const 
     return result;
 }
 
-/* Sets d->mouth, or d->no_mouth. cut: of mesh_cut_mouth, or NULL. */
+/* Sets d->mouth, or d->no_mouth. cut: the chain of mesh_cut_mouth, or NULL. */
 static mrt_result find_mouth(drafting *d, const uint32_t *cut, uint32_t cut_count, error *err)
 {
     if (!d->a.has_face)
@@ -1112,9 +1123,9 @@ static mrt_result add_mouth(rig *r, drafting *d, error *err)
     return result;
 }
 
-/* ---- a mouth for a head that has none ---- */
+/* ---- cutting a mouth ---- */
 
-typedef struct mouth_line { /* along the groove between the lips, in front */
+typedef struct mouth_line { /* runs along the groove between the lips, in front */
     const rig_head *head;
     double corner_x, reach_mm;
 } mouth_line;
@@ -1129,7 +1140,7 @@ static double line_y(const mouth_line *l, double x)
     return head->groove_y[from] + (at - from) * (head->groove_y[to] - head->groove_y[from]);
 }
 
-/* How far an edge is, longer the further it is off the line. */
+/* Returns the cost of an edge: its length, weighted by its distance from the line. */
 static double line_cost(const mouth_line *l, vec3 a, vec3 b)
 {
     vec3 middle = vec3_scale(vec3_add(a, b), 0.5);
@@ -1137,8 +1148,9 @@ static double line_cost(const mouth_line *l, vec3 a, vec3 b)
     return vec3_length(vec3_sub(a, b)) * (1.0 + off * off);
 }
 
-/* Dijkstra's way from one corner to the other over the skin in front. Plain search for the next
- * vertex: of those near the mouth there are few. */
+/* Finds the shortest path from one corner of the mouth to the other over the skin in front
+ * (Dijkstra). A linear search for the next vertex is fast enough, since few vertices are near
+ * the mouth. */
 static mrt_result find_mouth_line(uint32_t **out, uint32_t *out_count, const rig_anatomy *a,
                                   const mouth_line *l, const mesh *m, const topology *t, error *err)
 {
@@ -1151,7 +1163,7 @@ static mrt_result find_mouth_line(uint32_t **out, uint32_t *out_count, const rig
     for (uint32_t v = 0; has_memory && v < m->vertex_count; ++v) {
         vec3 p = mesh_position(m, v);
         before[v] = RIG_NONE;
-        way[v] = -1.0; /* not of those near the mouth, or done */
+        way[v] = -1.0; /* not near the mouth, or done */
         if (!a->is_face[v] || mesh_point(m, v) != v ||
             (double)a->hidden_mm[v] > 0.1 * l->reach_mm ||
             fabs(p.x - head->middle_x) > 1.15 * l->corner_x || p.y > head->nose.y ||
@@ -1202,8 +1214,8 @@ static mrt_result find_mouth_line(uint32_t **out, uint32_t *out_count, const rig
     free(near);
     *out = NULL;
     return has_memory ? error_set(err, MRT_ERR_UNSUPPORTED,
-                                  "no edges lead from one corner of the mouth to the other: the "
-                                  "mesh is too coarse there to cut a mouth into it")
+                                  "the mesh is too coarse to cut a mouth: no edges lead from one "
+                                  "corner of the mouth to the other")
                       : no_memory(err);
 }
 
@@ -1221,7 +1233,8 @@ mrt_result rig_draft_mouth(uint32_t **out_chain, uint32_t *out_count, const mesh
                         a.head.corner_x > 0.0 ? a.head.corner_x : CORNER_ACROSS * a.head.half_width,
                     .reach_mm = a.head.nose.y - a.head.chin.y};
     if (!a.has_face)
-        result = error_set(err, MRT_ERR_UNSUPPORTED, "no face is seen: there is no mouth to cut");
+        result = error_set(err, MRT_ERR_UNSUPPORTED,
+                           "no face was found in the mesh, so no mouth can be cut");
     else if (!a.has_parted_lips)
         result = find_mouth_line(out_chain, out_count, &a, &l, m, t, err);
     rig_anatomy_finish(&a);
@@ -1233,7 +1246,7 @@ mrt_result rig_draft_rims(rig_mouth *out, char why_not[BIND_FAULT], const mesh *
 {
     rig_anatomy a;
     *out = (rig_mouth){0};
-    (void)snprintf(why_not, BIND_FAULT, "no face is seen");
+    (void)snprintf(why_not, BIND_FAULT, "no face was found in the mesh");
     mrt_result result = rig_anatomy_find(&a, m, t, err);
     if (result < 0)
         return result;
@@ -1258,7 +1271,7 @@ mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const top
     *out_confirm = NULL;
     if (m->vertex_count > DRAFT_MOST)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "%s: it has %u vertices, and a face at most %u: use a coarser mesh",
+                         "%s: has %u vertices, but a face can have at most %u; use a coarser mesh",
                          mesh_path, m->vertex_count, DRAFT_MOST);
     mrt_result result = rig_anatomy_find(&d.a, m, t, err);
     if (result < 0)
@@ -1268,8 +1281,8 @@ mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const top
     d.reach_mm = d.head.nose.y - d.head.chin.y;
     if (d.a.has_face && d.head.top_y - d.head.chin.y < HEAD_LEAST_MM) {
         result = error_set(err, MRT_ERR_ARGUMENT,
-                           "the head would be %.1f mm high: say the mesh's unit (--unit cm, m, or "
-                           "how many mm one is)",
+                           "the head would be %.1f mm high; set the unit of the mesh with --unit "
+                           "(cm, m, or a number of mm)",
                            d.head.top_y - d.head.chin.y);
         rig_anatomy_finish(&d.a);
         return result;
@@ -1287,7 +1300,7 @@ mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const top
                 result = draft_once(out, &d, mesh_path, err);
         }
         if (result < 0 && m->vertex_count > LAPLACE_FREE_MOST)
-            break; /* less ambition is no less work */
+            break; /* a smaller draft takes as long */
         if (result >= 0) {
             result = try_bones(out, &d, &tried, err);
             is_done = result >= 0 && (tried.has_lids || d.ambition > ALL);
@@ -1304,9 +1317,9 @@ mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const top
     }
     if (result >= 0 && d.ambition > WITHOUT_LIDS)
         rig_note(&d.confirm, "%s: left out, since the %s",
-                 d.ambition == WITHOUT_PIECES ? "lids" : "lids, eyes, teeth and what is worn",
+                 d.ambition == WITHOUT_PIECES ? "lids" : "lids, eyes, teeth and accessories",
                  d.ambition == WITHOUT_PIECES ? "skin around the eyes would fold"
-                                              : "rig would not load with them");
+                                              : "rig could not be loaded with them");
     if (result >= 0)
         add_follows(out, &d);
     if (result >= 0 && (result = add_mouth(out, &d, err)) < 0)

@@ -9,9 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ENTRIES_MAX = 1024 }; /* as the reader lets a file have */
+enum { ENTRIES_MAX = 1024 }; /* the limit of the reader */
 
-/* ---- what a hand can mean: 0.01 mm, 0.01 degrees, shares of 0.001 ---- */
+/* ---- rounding to what a person can set by hand: 0.01 mm, 0.01 degrees, shares of 0.001 ---- */
 
 static const double steps_per_mm = 100.0, steps_per_degree = 100.0, steps_per_share = 1000.0,
                     steps_per_unit = 1e6;
@@ -29,8 +29,8 @@ static double round_to(double value, double steps, double before)
     return is_same_number(value, before) ? before : floor(value * steps + 0.5) / steps;
 }
 
-/* So a file stays readable. What is as `before` (NaN: nothing was) stays as it is: another program
- * may have written it. */
+/* Rounds so that files stay readable. A value equal to `before` (NaN: none) is not rounded,
+ * since another program may have written it. */
 static double round_mm(double mm, double before)
 {
     return round_to(mm, steps_per_mm, before);
@@ -69,7 +69,7 @@ static mrt_result no_memory(error *err)
     return error_set(err, MRT_ERR_MEMORY, "no memory to change the rig");
 }
 
-/* Those behind item `index`, which is finished, move up. */
+/* Removes item `index`, which is already finished, and moves the later items up. */
 static void close_array(void *item, uint32_t *count, uint32_t index, size_t size)
 {
     char *at = (char *)item + index * size;
@@ -77,7 +77,7 @@ static void close_array(void *item, uint32_t *count, uint32_t index, size_t size
     *count -= 1;
 }
 
-/* *out is owned: freed, and a copy of `name` instead. On error it stays. */
+/* Frees *out, which owns its text, and sets it to a copy of `name`. On error *out is unchanged. */
 static mrt_result replace_name(char **out, const char *name, error *err)
 {
     char *copy = strdup(name);
@@ -88,19 +88,20 @@ static mrt_result replace_name(char **out, const char *name, error *err)
     return MRT_OK;
 }
 
-/* What a file may call something. */
+/* Checks that a file can use this name. */
 static mrt_result check_name(const char *name, error *err)
 {
     size_t length = name ? strlen(name) : 0;
     for (size_t i = 0; i < length; ++i)
         if ((unsigned char)name[i] < 0x20 || name[i] == 0x7f)
-            return error_set(err, MRT_ERR_ARGUMENT, "a name has no control characters");
+            return error_set(err, MRT_ERR_ARGUMENT, "a name cannot contain control characters");
     if (length < 1 || length > RIG_NAME_MAX)
-        return error_set(err, MRT_ERR_ARGUMENT, "a name has 1 to %d letters", RIG_NAME_MAX);
+        return error_set(err, MRT_ERR_ARGUMENT, "a name must have 1 to %d characters",
+                         RIG_NAME_MAX);
     return MRT_OK;
 }
 
-/* ---- paths: selectors say in messages where they are ---- */
+/* ---- paths of selectors, for messages ---- */
 
 static void set_select_path(rig_select *select, const char *path)
 {
@@ -136,7 +137,7 @@ static void set_region_paths(rig *r)
 static mrt_result check_index(uint32_t index, uint32_t count, const char *what, error *err)
 {
     return index < count ? MRT_OK
-                         : error_set(err, MRT_ERR_ARGUMENT, "there is no %s %u", what, index);
+                         : error_set(err, MRT_ERR_ARGUMENT, "the rig has no %s %u", what, index);
 }
 
 static bool is_share(double value)
@@ -144,32 +145,31 @@ static bool is_share(double value)
     return isnan(value) || (value >= 0.0 && value <= 1.0);
 }
 
-static mrt_result check_says(const rig *r, const rig_edit_says *says, error *err)
+static mrt_result check_region_values(const rig *r, const rig_edit_says *says, error *err)
 {
     bool has_weight = !isnan(says->weight), has_mobility = !isnan(says->mobility);
     if (says->bone != RIG_NONE && says->bone >= r->bone_count)
-        return error_set(err, MRT_ERR_ARGUMENT, "there is no bone %u", says->bone);
+        return error_set(err, MRT_ERR_ARGUMENT, "the rig has no bone %u", says->bone);
     if (!is_share(says->weight) || !is_share(says->mobility))
-        return error_set(err, MRT_ERR_ARGUMENT, "weight and mobility go from 0 to 1");
+        return error_set(err, MRT_ERR_ARGUMENT, "weight and mobility must be from 0 to 1");
     if (says->is_rigid && (has_weight || has_mobility))
-        return error_set(err, MRT_ERR_ARGUMENT, "what is rigid has no weight and mobility to say");
+        return error_set(err, MRT_ERR_ARGUMENT, "a rigid region cannot set weight or mobility");
     if (!says->is_rigid && !has_weight && !has_mobility)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "a region must say something: rigid, weight or "
-                         "mobility");
+                         "a region must set at least one of rigid, weight and mobility");
     if (says->bone == RIG_NONE && (says->is_rigid || has_weight))
-        return error_set(err, MRT_ERR_ARGUMENT, "choose the bone that these vertices ride on");
+        return error_set(err, MRT_ERR_ARGUMENT, "choose the bone that moves these vertices");
     return MRT_OK;
 }
 
-/* `other`: which has the name; index: which is to get it. */
+/* `other`: the entry that has the name; index: the entry that is to get it. */
 static mrt_result check_free(uint32_t other, uint32_t index, const char *what, const char *name,
                              error *err)
 {
     return other == RIG_NONE || other == index
                ? MRT_OK
                : error_set(err, MRT_ERR_ARGUMENT,
-                           "another %s is called \"%s\"; choose another name", what, name);
+                           "another %s is already called \"%s\"; choose another name", what, name);
 }
 
 static mrt_result check_region_name(const rig *r, uint32_t index, const char *name, error *err)
@@ -187,7 +187,7 @@ uint32_t rig_edit_find_region(const rig *r, const char *name)
     return RIG_NONE;
 }
 
-static void set_says(rig_region *region, const rig_edit_says *says)
+static void set_region_values(rig_region *region, const rig_edit_says *says)
 {
     region->bone = says->bone;
     region->is_rigid = says->is_rigid;
@@ -199,13 +199,14 @@ mrt_result rig_edit_add_region(rig *r, const char *name, const rig_edit_says *sa
                                uint32_t *out_index, error *err)
 {
     bool has_name = name && name[0];
-    mrt_result result = check_says(r, says, err);
+    mrt_result result = check_region_values(r, says, err);
     if (result >= 0 && has_name)
         result = check_region_name(r, RIG_NONE, name, err);
     if (result < 0)
         return result;
     if (r->region_count >= ENTRIES_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "a rig has at most %d regions", ENTRIES_MAX);
+        return error_set(err, MRT_ERR_UNSUPPORTED, "a rig can have at most %d regions",
+                         ENTRIES_MAX);
     rig_region *grown = realloc(r->region, (r->region_count + 2u) * sizeof *grown);
     if (!grown)
         return no_memory(err);
@@ -214,7 +215,7 @@ mrt_result rig_edit_add_region(rig *r, const char *name, const rig_edit_says *sa
     made.name = has_name ? strdup(name) : NULL;
     if (has_name && !made.name)
         return no_memory(err);
-    set_says(&made, says);
+    set_region_values(&made, says);
     r->region[r->region_count] = made;
     *out_index = r->region_count;
     r->region_count += 1;
@@ -271,9 +272,9 @@ mrt_result rig_edit_set_region(rig *r, uint32_t index, const rig_edit_says *says
 {
     mrt_result result = check_index(index, r->region_count, "region", err);
     if (result >= 0)
-        result = check_says(r, says, err);
+        result = check_region_values(r, says, err);
     if (result >= 0)
-        set_says(&r->region[index], says);
+        set_region_values(&r->region[index], says);
     return result;
 }
 
@@ -311,7 +312,8 @@ static bool is_paint_taken(const rig *r, uint32_t index, const char *name)
     return r->document && rig_document_paint(r->document, name, &file).value;
 }
 
-/* The one it has, if it alone has it; else after the region, numbered where that is taken. */
+/* Keeps the region's paint if no other region uses it. Otherwise names a new paint after the
+ * region, with a number if that name is taken. */
 static void choose_paint_name(const rig *r, uint32_t index, char out[RIG_NAME_MAX + 1])
 {
     const rig_region *region = &r->region[index];
@@ -376,7 +378,7 @@ void rig_edit_jaw_of(rig_edit_jaw *out, const rig *r, uint32_t bone)
                           .slide_mm = jaw->slide_mm};
 }
 
-/* Within what a file may say. */
+/* True within the range that a file allows. */
 static bool is_position(vec3 p)
 {
     return fabs(p.x) <= coordinate_cap && fabs(p.y) <= coordinate_cap &&
@@ -391,18 +393,21 @@ static bool is_way(double mm)
 static mrt_result check_jaw(const rig *r, uint32_t bone, const rig_edit_jaw *jaw, error *err)
 {
     if (bone >= r->bone_count || r->bone[bone].kind != BONE_JAW)
-        return error_set(err, MRT_ERR_ARGUMENT, "there is no jaw to change");
+        return error_set(err, MRT_ERR_ARGUMENT, "the rig has no jaw");
     if (!is_position(jaw->left) || !is_position(jaw->right) || !is_position(jaw->incisor))
-        return error_set(err, MRT_ERR_ARGUMENT, "the jaw's axis is too far away");
-    if (!(jaw->left.x - jaw->right.x >= least_width_mm))
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "the left end of the jaw's axis must be %.0f mm or more to the left of "
-                         "the right one",
-                         least_width_mm);
+                         "the jaw is too far away: expected coordinates within 1000000 mm");
+    if (!(jaw->left.x - jaw->right.x >= least_width_mm))
+        return error_set(
+            err, MRT_ERR_ARGUMENT,
+            "the left end of the jaw's axis must be at least %.0f mm to the left of the right end",
+            least_width_mm);
     if (!(jaw->open_min_rad <= 0.0 && jaw->open_min_rad >= -widest_rad) ||
         !(jaw->open_max_rad > 0.0 && jaw->open_max_rad <= widest_rad) || !is_way(jaw->lateral_mm) ||
         !is_way(jaw->forward_mm) || !is_way(jaw->slide_mm))
-        return error_set(err, MRT_ERR_ARGUMENT, "the jaw's limits are not possible");
+        return error_set(
+            err, MRT_ERR_ARGUMENT,
+            "the limits of the jaw are out of range: expected at most 90 degrees and 10000 mm");
     return MRT_OK;
 }
 
@@ -426,7 +431,7 @@ mrt_result rig_edit_set_jaw(rig *r, uint32_t bone, const rig_edit_jaw *jaw, erro
 
 /* ---- bones ---- */
 
-enum { BONE_NAME_MAX = RIG_NAME_MAX - 8 }; /* with ".lateral" behind it a name of its own */
+enum { BONE_NAME_MAX = RIG_NAME_MAX - 8 }; /* with ".lateral" appended it is still a valid name */
 static const double least_half_mm = 1.0, most_half_mm = 1e6;
 static const double up_and_down_rad = 25.0 * ANGLE_PI / 180.0,
                     to_the_sides_rad = 35.0 * ANGLE_PI / 180.0;
@@ -435,14 +440,14 @@ static mrt_result check_bone_name(const rig *r, uint32_t index, const char *name
 {
     mrt_result result = check_name(name, err);
     if (result >= 0 && strlen(name) > BONE_NAME_MAX)
-        return error_set(err, MRT_ERR_ARGUMENT, "the name of a bone has at most %d letters",
+        return error_set(err, MRT_ERR_ARGUMENT, "the name of a bone can have at most %d characters",
                          BONE_NAME_MAX);
     return result < 0 ? result : check_free(rig_find_bone(r, name), index, "bone", name, err);
 }
 
-/* ---- added ---- */
+/* ---- adding bones ---- */
 
-/* Of all bones and the mouth. */
+/* Counts those of all bones and of the mouth. */
 static uint32_t count_dofs(const rig *r)
 {
     uint32_t count = r->mouth.upper != NULL;
@@ -464,15 +469,18 @@ static mrt_result check_new_bone(const rig *r, rig_bone_kind kind, vec3 at, doub
 {
     const uint32_t moves = kind == BONE_JAW ? 3 : kind == BONE_BALL ? 2 : 0;
     if (r->bone_count >= RIG_BONES_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "a rig has at most %d bones", RIG_BONES_MAX);
+        return error_set(err, MRT_ERR_UNSUPPORTED, "a rig can have at most %d bones",
+                         RIG_BONES_MAX);
     if (kind == BONE_JAW && has_jaw(r))
-        return error_set(err, MRT_ERR_UNSUPPORTED, "there is a jaw already; a face has one");
-    if (count_dofs(r) + moves > MRT_MAX_DOFS)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "the bones of a rig move in at most %d ways; take one out first",
-                         MRT_MAX_DOFS);
+                         "the rig already has a jaw; a face has only one");
+    if (count_dofs(r) + moves > MRT_MAX_DOFS)
+        return error_set(
+            err, MRT_ERR_UNSUPPORTED,
+            "the bones of a rig can have at most %d degrees of freedom; remove one first",
+            MRT_MAX_DOFS);
     if (!is_position(at) || !(half_mm >= least_half_mm && half_mm <= most_half_mm))
-        return error_set(err, MRT_ERR_ARGUMENT, "the bone is too far away, or too small");
+        return error_set(err, MRT_ERR_ARGUMENT, "the bone is too far away or too small");
     return MRT_OK;
 }
 
@@ -522,13 +530,13 @@ mrt_result rig_edit_add_bone(rig *r, const char *name, rig_bone_kind kind, vec3 
         return no_memory(err);
     }
     *out_index = r->bone_count;
-    r->bone[r->bone_count++] = made; /* there is room for RIG_BONES_MAX */
+    r->bone[r->bone_count++] = made; /* the array has room for RIG_BONES_MAX */
     return MRT_OK;
 }
 
 /* ---- degrees of freedom in poses ---- */
 
-/* Whether it is one of the bone; turn: that one alone, or NULL. */
+/* True if `dof` belongs to the bone. With a turn, true only for that turn. */
 static bool is_dof(const char *dof, const char *bone, const char *turn)
 {
     const size_t length = strlen(bone);
@@ -536,7 +544,7 @@ static bool is_dof(const char *dof, const char *bone, const char *turn)
            (!turn || strcmp(dof + length + 1, turn) == 0);
 }
 
-static void forget_in_poses(rig *r, const char *bone, const char *turn)
+static void remove_from_poses(rig *r, const char *bone, const char *turn)
 {
     for (uint32_t i = 0; i < r->pose_count; ++i) {
         rig_pose *pose = &r->pose[i];
@@ -553,8 +561,8 @@ static void forget_in_poses(rig *r, const char *bone, const char *turn)
     }
 }
 
-/* Those of the bone, or of one of its turns (NULL: of all, whose names stay). All names are made
- * before any is put in: on error nothing has changed. */
+/* Renames the degrees of freedom of a bone, or of one of its turns. turn NULL: all turns, whose
+ * own names stay. All new names are allocated first, so that an error changes nothing. */
 static mrt_result rename_in_poses(rig *r, const char *bone, const char *new_bone, const char *turn,
                                   const char *new_turn, error *err)
 {
@@ -589,7 +597,7 @@ static mrt_result rename_in_poses(rig *r, const char *bone, const char *new_bone
     return has_all ? MRT_OK : no_memory(err);
 }
 
-/* ---- taken out ---- */
+/* ---- removing bones ---- */
 
 static uint32_t heir_of(uint32_t bone, uint32_t removed, uint32_t heir)
 {
@@ -600,9 +608,9 @@ static uint32_t heir_of(uint32_t bone, uint32_t removed, uint32_t heir)
     return bone > removed ? bone - 1 : bone;
 }
 
-/* Of the bone, or of one of its turns (RIG_NONE: of any), which goes: no turn follows it, and those
- * behind it have new numbers. */
-static void forget_followed(rig *r, uint32_t bone, uint32_t turn)
+/* Called when a bone, or one of its turns, is removed (turn RIG_NONE: the whole bone). Turns
+ * that follow it stop following; the indices of later bones or turns move down by one. */
+static void unlink_followers(rig *r, uint32_t bone, uint32_t turn)
 {
     for (uint32_t i = 0; i < r->bone_count; ++i)
         for (uint32_t k = 0; k < r->bone[i].turn_count; ++k) {
@@ -628,23 +636,25 @@ static void reassign_bone(rig *r, uint32_t removed, uint32_t heir)
         r->bone[i].parent = heir_of(r->bone[i].parent, removed, heir);
 }
 
-static mrt_result check_stays(const rig *r, uint32_t index, error *err)
+static mrt_result check_removable(const rig *r, uint32_t index, error *err)
 {
     mrt_result result = check_index(index, r->bone_count, "bone", err);
     if (result >= 0 && (index == 0 || strcmp(r->bone[index].name, "skull") == 0))
-        return error_set(err, MRT_ERR_UNSUPPORTED, "the bone \"%s\" carries the face: it stays",
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "the bone \"%s\" carries the face and cannot be removed, renamed or "
+                         "attached to another bone",
                          r->bone[index].name);
     return result;
 }
 
 mrt_result rig_edit_remove_bone(rig *r, uint32_t index, error *err)
 {
-    mrt_result result = check_stays(r, index, err);
+    mrt_result result = check_removable(r, index, err);
     if (result < 0)
         return result;
     const uint32_t parent = r->bone[index].parent;
-    forget_in_poses(r, r->bone[index].name, NULL);
-    forget_followed(r, index, RIG_NONE);
+    remove_from_poses(r, r->bone[index].name, NULL);
+    unlink_followers(r, index, RIG_NONE);
     reassign_bone(r, index, parent == RIG_NONE ? 0 : parent);
     finish_bone(&r->bone[index]);
     close_array(r->bone, &r->bone_count, index, sizeof *r->bone);
@@ -652,21 +662,21 @@ mrt_result rig_edit_remove_bone(rig *r, uint32_t index, error *err)
     return MRT_OK;
 }
 
-/* ---- one of them ---- */
+/* ---- changing one bone ---- */
 
 static mrt_result check_turn_names(const rig_bone *bone, const char *name, error *err)
 {
     for (uint32_t i = 0; i < bone->turn_count; ++i)
         if (strlen(name) + 1 + strlen(bone->turn[i].name) > RIG_NAME_MAX)
             return error_set(err, MRT_ERR_ARGUMENT,
-                             "\"%s.%s\" is longer than %d letters; choose a shorter name", name,
+                             "\"%s.%s\" is longer than %d characters; choose a shorter name", name,
                              bone->turn[i].name, RIG_NAME_MAX);
     return MRT_OK;
 }
 
 mrt_result rig_edit_name_bone(rig *r, uint32_t index, const char *name, error *err)
 {
-    mrt_result result = check_stays(r, index, err);
+    mrt_result result = check_removable(r, index, err);
     if (result >= 0)
         result = check_bone_name(r, index, name, err);
     if (result >= 0)
@@ -691,9 +701,10 @@ mrt_result rig_edit_set_ball(rig *r, uint32_t index, vec3 centre, double radius_
     if (result < 0)
         return result;
     if (r->bone[index].kind != BONE_BALL)
-        return error_set(err, MRT_ERR_ARGUMENT, "the bone \"%s\" is no ball", r->bone[index].name);
+        return error_set(err, MRT_ERR_ARGUMENT, "the bone \"%s\" is not a ball",
+                         r->bone[index].name);
     if (!is_position(centre) || !(radius_mm >= 0.0 && radius_mm <= most_half_mm))
-        return error_set(err, MRT_ERR_ARGUMENT, "the ball is too far away, or too large");
+        return error_set(err, MRT_ERR_ARGUMENT, "the ball is too far away or too large");
     rig_bone *to = &r->bone[index];
     to->centre = round_position(centre, to->centre);
     to->radius_mm = round_mm(radius_mm, to->radius_mm);
@@ -702,12 +713,12 @@ mrt_result rig_edit_set_ball(rig *r, uint32_t index, vec3 centre, double radius_
 
 mrt_result rig_edit_ride_bone(rig *r, uint32_t index, uint32_t parent, error *err)
 {
-    mrt_result result = check_stays(r, index, err);
+    mrt_result result = check_removable(r, index, err);
     if (result < 0)
         return result;
     if (parent != RIG_NONE && parent >= index)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "the bone \"%s\" can ride on one that is listed before it",
+                         "the parent of the bone \"%s\" must be listed before it",
                          r->bone[index].name);
     r->bone[index].parent = parent;
     return MRT_OK;
@@ -717,13 +728,14 @@ mrt_result rig_edit_ride_bone(rig *r, uint32_t index, uint32_t parent, error *er
 
 static const double least_axis = 1e-6, farthest_rad = ANGLE_PI;
 
-/* ---- what may be ---- */
+/* ---- checks ---- */
 
 static mrt_result check_ball(const rig *r, uint32_t bone, error *err)
 {
     mrt_result result = check_index(bone, r->bone_count, "bone", err);
     if (result >= 0 && r->bone[bone].kind != BONE_BALL)
-        return error_set(err, MRT_ERR_ARGUMENT, "the bone \"%s\" is no ball", r->bone[bone].name);
+        return error_set(err, MRT_ERR_ARGUMENT, "the bone \"%s\" is not a ball",
+                         r->bone[bone].name);
     return result;
 }
 
@@ -743,29 +755,28 @@ static mrt_result check_turn_name(const rig_bone *ball, uint32_t turn, const cha
         return result;
     if (strlen(ball->name) + 1 + strlen(name) > RIG_NAME_MAX)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "\"%s.%s\" is longer than %d letters; choose a shorter name", ball->name,
-                         name, RIG_NAME_MAX);
+                         "\"%s.%s\" is longer than %d characters; choose a shorter name",
+                         ball->name, name, RIG_NAME_MAX);
     for (uint32_t i = 0; i < ball->turn_count; ++i)
         if (i != turn && strcmp(ball->turn[i].name, name) == 0)
             return error_set(err, MRT_ERR_ARGUMENT,
-                             "another turn is called \"%s\"; choose another name", name);
+                             "another turn is already called \"%s\"; choose another name", name);
     return MRT_OK;
 }
 
-/* Around the rest, and some way: as the reader has it. */
+/* Requires a range around 0 that is not empty, as the reader does. */
 static mrt_result check_way(const rig_turn *turn, error *err)
 {
     const double length = vec3_length(turn->axis);
     if (!(length > least_axis && length <= 1e6))
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "the turn needs an axis: a direction that is not 0");
+        return error_set(err, MRT_ERR_ARGUMENT, "the turn needs an axis that is not 0");
     if (!(turn->min_rad >= -farthest_rad && turn->min_rad <= 0.0 && turn->max_rad >= 0.0 &&
           turn->max_rad <= farthest_rad))
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "a turn goes from -180..0 to 0..180 degrees: 0 is the pose of the mesh");
+                         "a turn ranges from -180..0 to 0..180 degrees; 0 is the pose of the mesh");
     if (!(turn->min_rad < turn->max_rad))
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "the turn goes nowhere; give one of its limits some degrees");
+                         "both limits of the turn are 0; set one of them to some degrees");
     return MRT_OK;
 }
 
@@ -780,7 +791,7 @@ static bool is_same_axis(vec3 a, vec3 b)
     return !(vec3_length(vec3_sub(a, b)) > 1e-12);
 }
 
-/* As it will be read again. */
+/* Rounds a turn to the values that a reader of the file gets. */
 static mrt_result round_turn(rig_turn *out, const rig_turn *turn, const rig_turn *before,
                              error *err)
 {
@@ -794,7 +805,7 @@ static mrt_result round_turn(rig_turn *out, const rig_turn *turn, const rig_turn
     return check_way(out, err);
 }
 
-/* Of one turn, so changed; others may follow it. */
+/* Checks all followers with this one changed, since other turns may follow it. */
 static mrt_result check_follows(rig *r, uint32_t bone, uint32_t turn, const rig_follow *to,
                                 error *err)
 {
@@ -805,7 +816,7 @@ static mrt_result check_follows(rig *r, uint32_t bone, uint32_t turn, const rig_
         for (uint32_t k = 0; k < r->bone[i].turn_count && !fault; ++k)
             fault = rig_follow_fault(r, i, k);
     *there = before;
-    return fault ? error_set(err, MRT_ERR_ARGUMENT, "what the turn follows %s", fault) : MRT_OK;
+    return fault ? error_set(err, MRT_ERR_ARGUMENT, "the turn to follow %s", fault) : MRT_OK;
 }
 
 /* ---- changes ---- */
@@ -820,14 +831,17 @@ mrt_result rig_edit_add_turn(rig *r, uint32_t bone, const rig_turn *turn, uint32
         return result;
     rig_bone *ball = &r->bone[bone];
     if (ball->turn_count >= RIG_TURNS_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "a ball has at most %d turns", RIG_TURNS_MAX);
+        return error_set(err, MRT_ERR_UNSUPPORTED, "a ball can have at most %d turns",
+                         RIG_TURNS_MAX);
     if (count_dofs(r) >= MRT_MAX_DOFS)
-        return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "the bones of a rig move in at most %d ways; take one out first",
-                         MRT_MAX_DOFS);
+        return error_set(
+            err, MRT_ERR_UNSUPPORTED,
+            "the bones of a rig can have at most %d degrees of freedom; remove one first",
+            MRT_MAX_DOFS);
     result = check_turn_name(ball, RIG_NONE, turn->name, err);
     if (result >= 0 && turn->follows.share != 0.0)
-        result = error_set(err, MRT_ERR_ARGUMENT, "a new turn follows none yet");
+        result =
+            error_set(err, MRT_ERR_ARGUMENT, "a new turn cannot follow another turn; add it first");
     if (result >= 0)
         result = round_turn(&made, turn, &none, err);
     if (result < 0)
@@ -847,9 +861,10 @@ mrt_result rig_edit_remove_turn(rig *r, uint32_t bone, uint32_t turn, error *err
         return result;
     rig_bone *ball = &r->bone[bone];
     if (ball->turn_count == 1)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "a ball has one turn at least: this one stays");
-    forget_in_poses(r, ball->name, ball->turn[turn].name);
-    forget_followed(r, bone, turn);
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "a ball needs at least one turn; this one cannot be removed");
+    remove_from_poses(r, ball->name, ball->turn[turn].name);
+    unlink_followers(r, bone, turn);
     free(ball->turn[turn].name);
     close_array(ball->turn, &ball->turn_count, turn, sizeof *ball->turn);
     ball->turn[ball->turn_count] = (rig_turn){0};
@@ -898,7 +913,8 @@ mrt_result rig_edit_add_contact(rig *r, const char *name, uint32_t vertex, uint3
     if (result < 0)
         return result;
     if (r->contact_count >= ENTRIES_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "a rig has at most %d contacts", ENTRIES_MAX);
+        return error_set(err, MRT_ERR_UNSUPPORTED, "a rig can have at most %d contacts",
+                         ENTRIES_MAX);
     rig_contact *grown = realloc(r->contact, (r->contact_count + 2u) * sizeof *grown);
     if (!grown)
         return no_memory(err);
@@ -913,7 +929,7 @@ mrt_result rig_edit_add_contact(rig *r, const char *name, uint32_t vertex, uint3
     return MRT_OK;
 }
 
-/* ---- taken out ---- */
+/* ---- removing contacts ---- */
 
 static void close_gap(uint32_t *contact, uint32_t removed)
 {
@@ -921,7 +937,7 @@ static void close_gap(uint32_t *contact, uint32_t removed)
         *contact -= 1;
 }
 
-static void take_out_of_set(rig_contact_set *set, uint32_t removed)
+static void remove_from_set(rig_contact_set *set, uint32_t removed)
 {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < set->contact_count; ++i)
@@ -932,7 +948,7 @@ static void take_out_of_set(rig_contact_set *set, uint32_t removed)
         close_gap(&set->contact[i], removed);
 }
 
-static void take_contact_out_of_pose(rig_pose *pose, uint32_t removed)
+static void remove_contact_from_pose(rig_pose *pose, uint32_t removed)
 {
     uint32_t kept = 0;
     for (uint32_t i = 0; i < pose->pull_count; ++i) {
@@ -960,13 +976,13 @@ mrt_result rig_edit_remove_contact(rig *r, uint32_t index, error *err)
         close_gap(&r->contact[i].mirror, index);
     }
     for (uint32_t i = 0; i < r->contact_set_count; ++i)
-        take_out_of_set(&r->contact_set[i], index);
+        remove_from_set(&r->contact_set[i], index);
     for (uint32_t i = 0; i < r->pose_count; ++i)
-        take_contact_out_of_pose(&r->pose[i], index);
+        remove_contact_from_pose(&r->pose[i], index);
     return MRT_OK;
 }
 
-/* ---- one of them ---- */
+/* ---- changing one contact ---- */
 
 mrt_result rig_edit_name_contact(rig *r, uint32_t index, const char *name, error *err)
 {
@@ -990,7 +1006,7 @@ mrt_result rig_edit_ride(rig *r, uint32_t index, uint32_t bone, error *err)
     if (result < 0)
         return result;
     if (bone != RIG_NONE && bone >= r->bone_count)
-        return error_set(err, MRT_ERR_ARGUMENT, "there is no bone %u", bone);
+        return error_set(err, MRT_ERR_ARGUMENT, "the rig has no bone %u", bone);
     r->contact[index].bone = bone;
     return MRT_OK;
 }
@@ -1008,7 +1024,7 @@ bool rig_edit_other_side(const char *name, char *out, size_t capacity)
     return true;
 }
 
-static void part_from_mirror(rig *r, uint32_t index)
+static void unlink_mirror(rig *r, uint32_t index)
 {
     uint32_t other = r->contact[index].mirror;
     if (other != RIG_NONE)
@@ -1016,7 +1032,7 @@ static void part_from_mirror(rig *r, uint32_t index)
     r->contact[index].mirror = RIG_NONE;
 }
 
-/* Of the bones too: what rides on eye.l is mirrored to eye.r. */
+/* Mirrors bones, too: a contact on eye.l gets a mirror on eye.r. */
 static uint32_t mirrored_bone(const rig *r, uint32_t bone)
 {
     char name[RIG_NAME_MAX + 1];
@@ -1035,17 +1051,18 @@ mrt_result rig_edit_mirror_contact(rig *r, uint32_t index, uint32_t vertex, erro
     uint32_t other = r->contact[index].mirror;
     if (other == RIG_NONE) {
         if (!rig_edit_other_side(r->contact[index].name, name, sizeof name))
-            return error_set(
-                err, MRT_ERR_ARGUMENT, "\"%s\" has no side; call it \"%s.l\" or \"%s.r\" first",
-                r->contact[index].name, r->contact[index].name, r->contact[index].name);
+            return error_set(err, MRT_ERR_ARGUMENT,
+                             "\"%s\" has no side; rename it to \"%s.l\" or \"%s.r\" first",
+                             r->contact[index].name, r->contact[index].name,
+                             r->contact[index].name);
         other = rig_find_contact(r, name);
         if (other == RIG_NONE)
             result = rig_edit_add_contact(r, name, vertex, &other, err);
         if (result < 0)
             return result;
     }
-    part_from_mirror(r, index);
-    part_from_mirror(r, other);
+    unlink_mirror(r, index);
+    unlink_mirror(r, other);
     r->contact[index].mirror = other;
     r->contact[other].mirror = index;
     r->contact[other].vertex = vertex;
@@ -1053,20 +1070,20 @@ mrt_result rig_edit_mirror_contact(rig *r, uint32_t index, uint32_t vertex, erro
     return MRT_OK;
 }
 
-/* ---- ellipsoids of the skull ---- */
+/* ---- collision shapes ---- */
 
 static mrt_result check_proxy(const rig *r, const rig_proxy *proxy, error *err)
 {
     if (proxy->bone >= r->bone_count)
-        return error_set(err, MRT_ERR_ARGUMENT, "there is no bone %u", proxy->bone);
+        return error_set(err, MRT_ERR_ARGUMENT, "the rig has no bone %u", proxy->bone);
     if (!is_position(proxy->centre) || !is_position(proxy->radii))
-        return error_set(err, MRT_ERR_ARGUMENT, "the ellipsoid is too far away, or too large");
+        return error_set(err, MRT_ERR_ARGUMENT, "the ellipsoid is too far away or too large");
     if (!(proxy->radii.x > 0.0 && proxy->radii.y > 0.0 && proxy->radii.z > 0.0))
-        return error_set(err, MRT_ERR_ARGUMENT, "an ellipsoid has three radii above 0");
+        return error_set(err, MRT_ERR_ARGUMENT, "an ellipsoid needs three radii greater than 0");
     return MRT_OK;
 }
 
-/* A radius stays above 0. */
+/* Rounds, but keeps the radius greater than 0. */
 static double round_radius(double mm, double before)
 {
     const double rounded_proxy = round_mm(mm, before);
@@ -1090,7 +1107,8 @@ mrt_result rig_edit_add_proxy(rig *r, const rig_proxy *proxy, uint32_t *out_inde
     if (result < 0)
         return result;
     if (r->proxy_count >= ENTRIES_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "a rig has at most %d ellipsoids", ENTRIES_MAX);
+        return error_set(err, MRT_ERR_UNSUPPORTED, "a rig can have at most %d ellipsoids",
+                         ENTRIES_MAX);
     rig_proxy *grown = realloc(r->proxy, (r->proxy_count + 2u) * sizeof *grown);
     if (!grown)
         return no_memory(err);
@@ -1129,25 +1147,28 @@ static mrt_result check_pose_name(const rig *r, uint32_t index, const char *name
     for (uint32_t i = 0; result >= 0 && i < r->pose_count; ++i)
         if (i != index && strcmp(r->pose[i].name, name) == 0)
             return error_set(err, MRT_ERR_ARGUMENT,
-                             "another pose is called \"%s\"; choose another name", name);
+                             "another pose is already called \"%s\"; choose another name", name);
     return result;
 }
 
 static mrt_result check_pose(const rig *r, const rig_pose *pose, error *err)
 {
-    static const double most = 100.0; /* rad or mm: more than any bone moves */
+    static const double most = 100.0; /* rad or mm: more than any bone can move */
     mrt_result result = check_pose_name(r, RIG_NONE, pose->name, err);
     if (result < 0)
         return result;
     for (uint32_t i = 0; i < pose->dof_count; ++i) {
         if (rig_dof_unit_of(r, pose->dof_name[i]) == RIG_DOF_UNKNOWN)
-            return error_set(err, MRT_ERR_ARGUMENT, "no bone moves by \"%s\"", pose->dof_name[i]);
+            return error_set(err, MRT_ERR_ARGUMENT, "no bone has the degree of freedom \"%s\"",
+                             pose->dof_name[i]);
         if (!(fabs(pose->dof_value[i]) <= most))
-            return error_set(err, MRT_ERR_ARGUMENT, "the pose turns a bone too far");
+            return error_set(err, MRT_ERR_ARGUMENT,
+                             "the pose moves a bone too far: expected values within 100 rad or mm");
     }
     for (uint32_t i = 0; i < pose->pull_count; ++i)
         if (pose->pull_contact[i] >= r->contact_count || !is_position(pose->pull_mm[i]))
-            return error_set(err, MRT_ERR_ARGUMENT, "the pose pulls at what is not there");
+            return error_set(err, MRT_ERR_ARGUMENT,
+                             "the pose pulls a contact that does not exist, or pulls it too far");
     return MRT_OK;
 }
 
@@ -1189,7 +1210,7 @@ mrt_result rig_edit_add_pose(rig *r, const rig_pose *pose, uint32_t *out_index, 
     if (result < 0)
         return result;
     if (r->pose_count >= ENTRIES_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "a rig has at most %d poses", ENTRIES_MAX);
+        return error_set(err, MRT_ERR_UNSUPPORTED, "a rig can have at most %d poses", ENTRIES_MAX);
     rig_pose *grown = realloc(r->pose, (r->pose_count + 2u) * sizeof *grown);
     if (!grown)
         return no_memory(err);
@@ -1245,17 +1266,19 @@ mrt_result rig_edit_set_mouth(rig *r, const rig_mouth *mouth, error *err)
     const uint32_t count[] = {mouth->upper_count, mouth->lower_count};
     for (int i = 0; i < 2; ++i)
         if (count[i] < RIG_RIM_LEAST || count[i] > RIG_RIM_MOST)
-            return error_set(err, MRT_ERR_ARGUMENT, "a rim has %d to %d vertices", RIG_RIM_LEAST,
-                             RIG_RIM_MOST);
+            return error_set(err, MRT_ERR_ARGUMENT, "a rim must have %d to %d vertices",
+                             RIG_RIM_LEAST, RIG_RIM_MOST);
     if (!(mouth->upper_share >= 0.0 && mouth->upper_share <= 1.0) ||
         !(mouth->stickiness_mm >= 0.0 && mouth->stickiness_mm <= RIG_STICKINESS_MOST_MM))
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "the upper lip's share is 0 to 1, and lips stick at up to %.0f mm",
-                         RIG_STICKINESS_MOST_MM);
+        return error_set(
+            err, MRT_ERR_ARGUMENT,
+            "the share of the upper lip must be 0 to 1, and the stickiness 0 to %.0f mm",
+            RIG_STICKINESS_MOST_MM);
     if (!r->mouth.upper && count_dofs(r) >= MRT_MAX_DOFS)
-        return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "a rig moves in at most %d ways; take a bone or a turn out first",
-                         MRT_MAX_DOFS);
+        return error_set(
+            err, MRT_ERR_UNSUPPORTED,
+            "a rig can have at most %d degrees of freedom; remove a bone or a turn first",
+            MRT_MAX_DOFS);
     rig_mouth made = *mouth;
     made.upper = copy_rim(mouth->upper, mouth->upper_count);
     made.lower = copy_rim(mouth->lower, mouth->lower_count);
@@ -1274,17 +1297,17 @@ mrt_result rig_edit_set_mouth(rig *r, const rig_mouth *mouth, error *err)
 void rig_edit_remove_mouth(rig *r)
 {
     free_mouth(&r->mouth);
-    forget_in_poses(r, "lips", "seal");
+    remove_from_poses(r, "lips", "seal");
 }
 
-/* ---- in words ---- */
+/* ---- descriptions for people ---- */
 
 typedef struct words {
     char *at;
     size_t capacity;
 } words;
 
-__attribute__((format(printf, 2, 3))) static void say(words *w, const char *format, ...)
+__attribute__((format(printf, 2, 3))) static void append_text(words *w, const char *format, ...)
 {
     size_t used = strlen(w->at);
     va_list arguments;
@@ -1308,9 +1331,9 @@ static void describe_joined(words *w, const rig_select *select)
     const char *between = select->kind == SELECT_ALL ? ", " : " or ";
     for (uint32_t i = 0; i < select->child_count; ++i) {
         bool is_group = select->child[i].kind == SELECT_ALL || select->child[i].kind == SELECT_ANY;
-        say(w, "%s%s", i ? between : "", is_group ? "(" : "");
+        append_text(w, "%s%s", i ? between : "", is_group ? "(" : "");
         describe(w, &select->child[i]);
-        say(w, "%s", is_group ? ")" : "");
+        append_text(w, "%s", is_group ? ")" : "");
     }
 }
 
@@ -1318,49 +1341,49 @@ static void describe(words *w, const rig_select *select)
 {
     switch (select->kind) {
     case SELECT_VERTICES:
-        say(w, "%u vertices", vertex_count_of(select));
+        append_text(w, "%u vertices", vertex_count_of(select));
         break;
     case SELECT_GROUP:
-        say(w, "part %s", select->name);
+        append_text(w, "part %s", select->name);
         break;
     case SELECT_ATTRIBUTE:
-        say(w, "attribute %s", select->name);
+        append_text(w, "attribute %s", select->name);
         break;
     case SELECT_BOX:
-        say(w, "in a box");
+        append_text(w, "in a box");
         break;
     case SELECT_ELLIPSOID:
-        say(w, "in an ellipsoid");
+        append_text(w, "in an ellipsoid");
         break;
     case SELECT_HALF_SPACE:
-        say(w, "beyond a plane");
+        append_text(w, "beyond a plane");
         break;
     case SELECT_WITHIN:
-        say(w, "within %.0f mm of vertex %u", select->within_mm, select->vertex);
+        append_text(w, "within %.0f mm of vertex %u", select->within_mm, select->vertex);
         break;
     case SELECT_ALL:
     case SELECT_ANY:
         describe_joined(w, select);
         break;
     case SELECT_NOT:
-        say(w, "not ");
+        append_text(w, "not ");
         describe(w, &select->child[0]);
         break;
     case SELECT_PAINTED:
-        say(w, "painted, %u vertices", vertex_count_of(select));
+        append_text(w, "painted, %u vertices", vertex_count_of(select));
         break;
     case SELECT_PIECE:
-        say(w, "the piece of vertex %u", select->vertex);
+        append_text(w, "the piece of vertex %u", select->vertex);
         break;
     case SELECT_PIECES_INSIDE:
-        say(w, "pieces ");
+        append_text(w, "pieces ");
         describe(w, &select->child[0]);
         break;
     case SELECT_JOINT:
-        say(w, "joint %s", select->name);
+        append_text(w, "joint %s", select->name);
         break;
     case SELECT_NOTHING:
-        say(w, "nothing");
+        append_text(w, "nothing");
         break;
     }
 }
@@ -1374,7 +1397,7 @@ void rig_edit_describe(const rig_select *select, char *out, size_t capacity)
 
 /* ---- from a JSON path ---- */
 
-/* "$.regions[1]" is said by "$.regions[1].select", not by "$.regions[12]". */
+/* "$.regions[1].select" belongs to "$.regions[1]" but not to "$.regions[12]". */
 static bool is_below(const char *path, const json_path *entry)
 {
     size_t length = strlen(entry->text);
@@ -1406,8 +1429,8 @@ rig_edit_kind rig_edit_kind_at(const rig *r, const char *path, uint32_t *out_ind
 /* ---- undo and redo ---- */
 
 struct rig_history {
-    rig state[RIG_HISTORY_MAX]; /* state n is at n % RIG_HISTORY_MAX */
-    uint64_t first, now, last;  /* kept: first..last */
+    rig state[RIG_HISTORY_MAX]; /* state n is at index n % RIG_HISTORY_MAX */
+    uint64_t first, now, last;  /* first..last are kept */
 };
 
 static rig *state_of(rig_history *self, uint64_t number)
@@ -1450,7 +1473,7 @@ void rig_history_push(rig_history *self, rig *changed)
         rig_destroy(state_of(self, undone));
     self->now += 1;
     self->last = self->now;
-    rig_destroy(state_of(self, self->now)); /* the oldest, when all slots are taken */
+    rig_destroy(state_of(self, self->now)); /* the oldest state, if all slots are in use */
     if (self->last - self->first >= RIG_HISTORY_MAX)
         self->first = self->last - RIG_HISTORY_MAX + 1;
     *state_of(self, self->now) = *changed;

@@ -7,13 +7,14 @@
 
 /* ---- left and right ---- */
 
-/* A vertex in its cell of a grid; doubles, because a mesh may be huge and its reach tiny. */
+/* A vertex and its cell in a grid. Cells are doubles, because a mesh can be huge and the reach
+ * tiny. */
 typedef struct sorted_vertex {
     double cell[3];
     uint32_t vertex;
 } sorted_vertex;
 
-enum { SCANNED_MAX = 100 }; /* vertices of three cells: more lie on each other */
+enum { SCANNED_MAX = 100 }; /* vertices in three cells; only coincident vertices exceed this */
 static const double cell_min_mm = 1e-9;
 
 static int compare_cells(const double a[3], const double b[3])
@@ -56,7 +57,8 @@ static vec3 mirrored(vec3 p, double middle_x)
     return (vec3){2.0 * middle_x - p.x, p.y, p.z};
 }
 
-/* Three cells above each other are one run of the sorted ones. */
+/* Tests nine columns of cells around the image. The three cells of a column are contiguous in the
+ * sorted array. */
 static bool has_partner(const sorted_vertex *sorted, size_t count, const mesh *m, vec3 image,
                         double reach_mm, double cell_mm)
 {
@@ -126,9 +128,9 @@ uint32_t rig_mirror_of(const mesh *m, const uint8_t *is_face, uint32_t vertex, d
 
 enum { ROWS = 512 };
 
-typedef struct profile { /* the cut of the mesh in its middle plane, by height */
+typedef struct profile { /* cut of the mesh with its middle plane, by height */
     double low_y, row_mm;
-    double front[ROWS], back[ROWS]; /* z; -inf and +inf where there is nothing */
+    double front[ROWS], back[ROWS]; /* z; -inf and +inf for rows without surface */
 } profile;
 
 /* ---- the profile ---- */
@@ -155,7 +157,7 @@ static void add_segment(profile *p, vec3 a, vec3 b)
     }
 }
 
-/* Where the triangle's edges cross x = middle_x: none or two points. */
+/* Adds the segment where the triangle crosses x = middle_x, if it does. */
 static void add_triangle(profile *p, const vec3 corner[3], double middle_x)
 {
     vec3 cut[3];
@@ -200,9 +202,10 @@ static void cut_profile(profile *p, const mesh *m, const uint8_t *is_face, doubl
     }
 }
 
-/* ---- what is in it ---- */
+/* ---- features of the profile ---- */
 
-/* How far the profile comes forward beyond those beside it; eyes beside it may be holes. */
+/* Returns how far the profile stands out from those beside it. The bound is for eyes beside it that
+ * are holes. */
 static double prominence(const profile *p, const profile *left, const profile *right, int row)
 {
     double beside = fmax(left->front[row], right->front[row]), most = 0.08 * ROWS * p->row_mm;
@@ -214,9 +217,9 @@ static double forward_at(const profile *p, const profile *left, const profile *r
     return p->front[row] + prominence(p, left, right, row);
 }
 
-/* The row that comes forward most, of all and beside what is left and right of it: muzzles are
- * broad, noses are not. Hair over the forehead may come out as far, but is higher than noses are.
- */
+/* Finds the row that stands out most, both from the head and from the skin to its left and right.
+ * Muzzles are broad, noses are not. Hair over the forehead can stand out as far, so high rows count
+ * less. */
 static int find_nose(double *out_mm, const profile *p, const profile *left, const profile *right)
 {
     int best = -1;
@@ -228,7 +231,7 @@ static int find_nose(double *out_mm, const profile *p, const profile *left, cons
         best = row;
         *out_mm = mm;
     }
-    for (int from = -1; best >= 0 && from != best;) { /* to its tip, however high it is */
+    for (int from = -1; best >= 0 && from != best;) { /* move up or down to the tip */
         from = best;
         const int low = from - ROWS / 64, high = from + ROWS / 64;
         for (int row = low > 0 ? low : 0; row <= high && row < ROWS; ++row)
@@ -238,9 +241,10 @@ static int find_nose(double *out_mm, const profile *p, const profile *left, cons
     return best;
 }
 
-/* Going down from the nose, the last row before the front recedes to the neck. Dips that are no
- * longer than 6 % of the height, as under a nose, are part of the face. Under a long nose all
- * recedes: a face has at least a fifth of its height below its nose, where there is more of it. */
+/* Finds the last row, going down from the nose, before the front recedes to the neck. Dips of at
+ * most 6 % of the height, as under a nose, are part of the face. Under a long nose everything
+ * recedes. So the limit is relaxed until at least a fifth of the face's height is below its
+ * nose. */
 static int find_chin(const profile *p, int nose, double depth_mm)
 {
     int chin = nose, top = ROWS - 1;
@@ -254,7 +258,7 @@ static int find_chin(const profile *p, int nose, double depth_mm)
     return chin;
 }
 
-/* The front from `row` on within so many rows, -1 or 1 the way: the row that comes out most. */
+/* Finds the row of the front that stands out most, within `reach` rows from `row`. way: -1 or 1. */
 static int find_crest(const profile *p, int row, int way, int reach)
 {
     int best = row;
@@ -268,7 +272,7 @@ static int find_crest(const profile *p, int row, int way, int reach)
     return best;
 }
 
-/* How deep the profile is at a row against the line between what comes out above and below. */
+/* Returns how deep the profile is at a row, below the line between the points above and below. */
 static double depth_at(const profile *p, int row, int reach)
 {
     if (row - reach < 0 || row + reach >= ROWS)
@@ -283,8 +287,9 @@ static double sharpness_at(const profile *p, int row, int span)
     return fmax(depth_at(p, row, span * 4 / 100 + 1), 0.0);
 }
 
-/* The deepest place between the lips, sharp rather than broad as the fold below them is; mouths are
- * most often half way from the nose to the chin. What is as sharp above a fold is the mouth. */
+/* Finds the deepest row between the lips. It is sharp, while the fold below the lips is broad, and
+ * usually half way from nose to chin. If another row above a fold is as sharp, that row is the
+ * mouth. */
 static int find_mouth(const profile *p, int nose, int chin, double *out_depth)
 {
     int span = nose - chin, best = nose - span * 47 / 100;
@@ -317,8 +322,8 @@ static int find_mouth(const profile *p, int nose, int chin, double *out_depth)
     return best;
 }
 
-/* Where the skin is there twice at one place, in the middle between nose and chin: lips that touch.
- * Their mean height. */
+/* Finds lips that touch: two layers of skin that coincide in the middle between nose and chin.
+ * Writes their mean height. */
 static bool find_touching(double *out_y, const mesh *m, const uint8_t *is_face,
                           const rig_head *head)
 {
@@ -343,7 +348,7 @@ static bool find_touching(double *out_y, const mesh *m, const uint8_t *is_face,
     return touching >= LEAST;
 }
 
-/* From the mouth, the first row where the front has come out three quarters of the way. */
+/* Finds the first row from the mouth where the front has come out by three quarters. */
 static int find_lip(const profile *p, int mouth, int way, int reach)
 {
     int crest = find_crest(p, mouth, way, reach);
@@ -375,8 +380,8 @@ static bool bounds_of(bounds *out, const mesh *m, const uint8_t *is_face)
     return found;
 }
 
-/* Scans and sculptures are no mirror images, and may look a little aside: the plane through the
- * nose. */
+/* Finds the plane through the nose, for scans and sculptures, which are not mirror images and may
+ * look slightly aside. */
 static mrt_result find_plane_of_nose(double *out_x, const mesh *m, const uint8_t *is_face,
                                      const bounds *box, error *err)
 {
@@ -419,8 +424,9 @@ static mrt_result choose_plane(double *out_x, const mesh *m, const uint8_t *is_f
     return find_plane_of_nose(out_x, m, is_face, box, err);
 }
 
-/* Outwards from the middle until the front is no longer face: at 0.58 of the depth from the back
- * (as on the 26 719 vertices of the ICT face, at the first points of the jaw line). */
+/* Measures outwards from the middle until the front no longer belongs to the face. The border is at
+ * 0.58 of the depth from the back, as at the first points of the jaw line on the ICT face (26 719
+ * vertices). */
 static double measure_half_width(const mesh *m, const uint8_t *is_face, const rig_head *head,
                                  double reach_mm)
 {
@@ -438,7 +444,7 @@ static double measure_half_width(const mesh *m, const uint8_t *is_face, const ri
     return width;
 }
 
-/* Outwards along the groove between the lips while it is there. */
+/* Follows the groove between the lips outwards until it ends. */
 static void follow_mouth(profile *p, rig_head *head, const mesh *m, const uint8_t *is_face,
                          int mouth, int span)
 {
@@ -471,7 +477,7 @@ static void follow_mouth(profile *p, rig_head *head, const mesh *m, const uint8_
     }
 }
 
-/* A mask has no back: its cut is one line. */
+/* True for a mask: it has no back, so its cut is a single line. */
 static bool is_mask(const profile *p)
 {
     int rows = 0, thin = 0;
@@ -518,7 +524,7 @@ static void measure_profile(rig_head *out, profile p[3], const mesh *m, const ui
 
 mrt_result rig_head_measure(rig_head *out, const mesh *m, const uint8_t *is_face, error *err)
 {
-    static const char refusal[] = "no profile of a face is found in the mesh: it must look along "
+    static const char refusal[] = "no profile of a face was found in the mesh: it must look along "
                                   "+z, with +y up, and have a nose and a chin";
     bounds box = {{0, 0, 0}, {0, 0, 0}};
     *out = (rig_head){0};
@@ -531,14 +537,14 @@ mrt_result rig_head_measure(rig_head *out, const mesh *m, const uint8_t *is_face
     if (!p)
         return result < 0 ? result
                           : error_set(err, MRT_ERR_MEMORY, "no memory to measure the head");
-    /* A little aside: edges that lie in the plane are not cut by it. */
+    /* Slightly off the plane, since edges in the plane are not cut by it. */
     const double x = out->middle_x + 1e-4 * height, beside = 0.1 * height;
     cut_profile(&p[0], m, is_face, x, box.low.y, box.high.y);
     cut_profile(&p[1], m, is_face, x - beside, box.low.y, box.high.y);
     cut_profile(&p[2], m, is_face, x + beside, box.low.y, box.high.y);
     double mm;
     int nose = find_nose(&mm, &p[0], &p[1], &p[2]);
-    /* The head that a mask is worn on is as deep as 1.2 of what is from chin to hairline. */
+    /* A head that wears a mask is 1.2 times as deep as the mask is high, from chin to hairline. */
     double least_depth = is_mask(&p[0]) ? 1.2 * height : 0.0;
     int chin = nose < 0 ? -1 : find_chin(p, nose, fmax(box.high.z - box.low.z, least_depth));
     bool is_found = nose - chin >= ROWS / 20;
@@ -553,7 +559,7 @@ mrt_result rig_head_measure(rig_head *out, const mesh *m, const uint8_t *is_face
 
 /* ---- rays ---- */
 
-/* Signed areas by corner of the point in the triangle, seen along z. */
+/* Computes the barycentric coordinates of the point in the triangle, seen along z. */
 static bool covers(double share[3], const vec3 corner[3], double x, double y)
 {
     double area = (corner[1].x - corner[0].x) * (corner[2].y - corner[0].y) -

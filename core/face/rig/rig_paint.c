@@ -27,7 +27,7 @@ static mrt_result allocate(rig_select *out, size_t capacity, error *err)
     return out->first && out->last && out->value ? MRT_OK : no_memory(err);
 }
 
-/* Behind those that are there, one with the last where both have the same value. */
+/* Appends a range, or extends the last one if it is adjacent and has the same value. */
 static void add_range(rig_select *out, uint32_t first, uint32_t last, uint8_t value)
 {
     uint32_t count = out->range_count;
@@ -92,7 +92,7 @@ static bool read_value(uint8_t *out, const char *digits)
 typedef struct paint_line { /* one string of the list */
     uint32_t first, last;
     const char *digits;
-    bool is_same; /* one value for all */
+    bool is_same; /* one value for the whole range */
 } paint_line;
 
 static bool read_vertices(paint_line *out, text_view words)
@@ -150,7 +150,7 @@ static bool add_line(rig_select *out, const paint_line *line)
     return true;
 }
 
-static mrt_result pay(budget *b, size_t range_count, const json_node *at, error *err)
+static mrt_result charge_budget(budget *b, size_t range_count, const json_node *at, error *err)
 {
     enum { RANGE_BYTES = 9 };
     mrt_result result = budget_spend_work(b, range_count, err);
@@ -168,7 +168,7 @@ mrt_result rig_paint_parse(rig_select *out, const json_node *at, budget *b, erro
         return result;
     size_t most = most_ranges(at->value);
     if (b)
-        result = pay(b, most, at, err);
+        result = charge_budget(b, most, at, err);
     if (result >= 0)
         result = allocate(out, most, err);
     int64_t last = -1;
@@ -185,14 +185,14 @@ mrt_result rig_paint_parse(rig_select *out, const json_node *at, budget *b, erro
 
 /* ---- to JSON ---- */
 
-typedef struct paint_text { /* values in a row, not yet in the list */
+typedef struct paint_text { /* consecutive values that are not in the list yet */
     json_t *list;
     char digits[2 * LINE_VALUES + 1];
     uint32_t first, count;
     int failed;
 } paint_text;
 
-static void put_text(paint_text *t)
+static void append_text(paint_text *t)
 {
     char text[LINE_TEXT];
     if (t->count == 0)
@@ -202,20 +202,20 @@ static void put_text(paint_text *t)
     t->count = 0;
 }
 
-static void put_value(paint_text *t, uint32_t vertex, uint8_t value)
+static void append_value(paint_text *t, uint32_t vertex, uint8_t value)
 {
     if (t->count == LINE_VALUES || (t->count > 0 && t->first + t->count != vertex))
-        put_text(t);
+        append_text(t);
     if (t->count == 0)
         t->first = vertex;
     (void)snprintf(t->digits + 2 * (size_t)t->count, 3, "%02x", value);
     t->count += 1;
 }
 
-static void put_same(paint_text *t, uint32_t first, uint32_t last, uint8_t value)
+static void append_range(paint_text *t, uint32_t first, uint32_t last, uint8_t value)
 {
     char text[LINE_TEXT];
-    put_text(t);
+    append_text(t);
     (void)snprintf(text, sizeof text, "%u-%u:%02x", first, last, value);
     t->failed |= json_array_append_new(t->list, json_string(text));
 }
@@ -226,12 +226,12 @@ json_t *rig_paint_to_json(const rig_select *select)
     for (uint32_t i = 0; i < select->range_count; ++i) {
         uint32_t first = select->first[i], last = select->last[i];
         if (last - first + 1 >= SAME_MIN)
-            put_same(&t, first, last, select->value[i]);
+            append_range(&t, first, last, select->value[i]);
         else
             for (uint32_t v = first; v <= last; ++v)
-                put_value(&t, v, select->value[i]);
+                append_value(&t, v, select->value[i]);
     }
-    put_text(&t);
+    append_text(&t);
     if (t.list && !t.failed)
         return t.list;
     json_decref(t.list);

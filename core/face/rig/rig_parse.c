@@ -13,10 +13,10 @@
 /* ---- selectors ---- */
 
 typedef struct selecting {
-    double mm_per_unit; /* of the file that the selector is in */
+    double mm_per_unit; /* unit of the file with the selector */
     char **note;
-    uint32_t depth, node_count;   /* of all selectors so far: they are bounded */
-    const rig_document *document; /* whose paints are taken; NULL: only their names */
+    uint32_t depth, node_count;   /* sums over all selectors so far, both limited */
+    const rig_document *document; /* source of the paints; NULL: only their names are read */
     budget *budget;
 } selecting;
 
@@ -123,7 +123,7 @@ static mrt_result parse_box(rig_select *out, const json_node *at, const selectin
         return result;
     if (out->a.x > out->b.x || out->a.y > out->b.y || out->a.z > out->b.z)
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s: low must not be above high in x, y or z; exchange them",
+                         "%s: \"low\" must not exceed \"high\" in x, y or z; exchange them",
                          at->path.text);
     return MRT_OK;
 }
@@ -135,7 +135,7 @@ static mrt_result parse_ellipsoid(rig_select *out, const json_node *at, const se
     if (result < 0)
         return result;
     if (!(out->b.x > 0.0 && out->b.y > 0.0 && out->b.z > 0.0))
-        return error_set(err, MRT_ERR_FORMAT, "%s.radii: expected three radii above 0",
+        return error_set(err, MRT_ERR_FORMAT, "%s.radii: expected three radii greater than 0",
                          at->path.text);
     return MRT_OK;
 }
@@ -148,7 +148,8 @@ static mrt_result parse_half_space(rig_select *out, const json_node *at, const s
         return result;
     if (!(vec3_length(out->b) > 1e-9))
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s.normal: expected a direction, found one of length 0", at->path.text);
+                         "%s.normal: expected a direction, found a vector of length 0",
+                         at->path.text);
     return MRT_OK;
 }
 
@@ -164,7 +165,7 @@ static mrt_result parse_within(rig_select *out, const json_node *at, const selec
     return result < 0 ? result : rig_json_index(&out->vertex, &of, err);
 }
 
-/* ---- joined ---- */
+/* ---- combined ---- */
 
 static mrt_result parse_children(rig_select *out, const json_node *at, selecting *s, error *err)
 {
@@ -206,11 +207,11 @@ static mrt_result parse_painted(rig_select *out, const json_node *at, selecting 
     if (paint.value)
         return rig_paint_parse(out, &paint, s->budget, err);
     json_words word = json_shown(out->name);
-    return error_set(err, MRT_ERR_FORMAT, "%s: there is no paint \"%s\"; add it to $.paints",
+    return error_set(err, MRT_ERR_FORMAT, "%s: the rig has no paint \"%s\"; add it to $.paints",
                      at->path.text, word.text);
 }
 
-/* ---- any of them ---- */
+/* ---- any selector ---- */
 
 static mrt_result parse_select_kind(rig_select *out, const json_node *at, selecting *s, error *err)
 {
@@ -261,7 +262,7 @@ static mrt_result find_select_kind(rig_select *out, const json_node *at, const s
             continue;
         if (out->kind != SELECT_NOTHING)
             return error_set(err, MRT_ERR_FORMAT,
-                             "%s: says both %s and %s; join them with \"all\" or \"any\"",
+                             "%s: has both \"%s\" and \"%s\"; combine them with \"all\" or \"any\"",
                              at->path.text, words[out->kind].key, words[kind].key);
         out->kind = (rig_select_kind)kind;
     }
@@ -276,7 +277,8 @@ static mrt_result parse_select(rig_select *out, const json_node *at, selecting *
     *out = (rig_select){0};
     if (s->depth >= DEPTH_MAX || s->node_count >= NODES_MAX)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "%s: selectors may be %d deep and %d in all; use groups or attributes",
+                         "%s: selectors can be nested %d deep, and a rig can have %d of them; use "
+                         "groups or attributes instead",
                          at->path.text, DEPTH_MAX, NODES_MAX);
     s->node_count += 1;
     mrt_result result = find_select_kind(out, at, s, err);
@@ -304,7 +306,7 @@ mrt_result rig_select_parse(rig_select *out, const json_node *at, double mm_per_
 /* ---- bones ---- */
 
 static const double radian_per_degree = ANGLE_PI / 180.0;
-/* Of an adult (Ferrario 2005, Travers 2000). */
+/* Limits of an adult (Ferrario 2005, Travers 2000). */
 const rig_bone rig_adult_jaw = {.kind = BONE_JAW,
                                 .open_max_rad = 32.0 * ANGLE_PI / 180.0,
                                 .lateral_mm = 10.0,
@@ -313,11 +315,11 @@ const rig_bone rig_adult_jaw = {.kind = BONE_JAW,
 
 typedef struct reading {
     rig *r;
-    json_node node; /* of the bone */
+    json_node node; /* JSON of the bone */
     double mm_per_unit;
 } reading;
 
-/* [least, greatest], in degrees, around the rest at 0. */
+/* Reads [least, greatest] in degrees. The range must include 0, the pose at rest. */
 static mrt_result read_range(double *out_min_rad, double *out_max_rad, const json_node *at,
                              double reach_deg, error *err)
 {
@@ -336,7 +338,7 @@ static mrt_result read_range(double *out_min_rad, double *out_max_rad, const jso
                          at->path.text, deg[0], deg[1]);
     if (deg[0] > 0.0 || deg[1] < 0.0)
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s: [%g, %g] leaves out 0, which is the pose of the mesh; widen it",
+                         "%s: [%g, %g] does not include 0, the pose of the mesh; widen the range",
                          at->path.text, deg[0], deg[1]);
     *out_min_rad = deg[0] * radian_per_degree;
     *out_max_rad = deg[1] * radian_per_degree;
@@ -363,8 +365,8 @@ static mrt_result read_hinge(rig_bone *bone, const reading *in, error *err)
     double length_mm = vec3_length(vec3_sub(bone->hinge_left, bone->hinge_right));
     if (!(length_mm > 1.0))
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s: left and right are %.3g mm apart, so there is no axis; they are the "
-                         "two jaw joints, just before the ears",
+                         "%s: left and right are only %.3g mm apart, so they give no axis; use the "
+                         "two jaw joints, just in front of the ears",
                          hinge.path.text, length_mm);
     return MRT_OK;
 }
@@ -401,17 +403,17 @@ static mrt_result check_turn_name(const rig_bone *bone, uint32_t index, const js
     const char *name = bone->turn[index].name;
     if (strlen(bone->name) + 1 + strlen(name) > RIG_NAME_MAX)
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s.name: \"%s.%s\" is longer than %d letters; shorten it", at->path.text,
-                         bone->name, name, RIG_NAME_MAX);
+                         "%s.name: \"%s.%s\" is longer than %d characters; shorten it",
+                         at->path.text, bone->name, name, RIG_NAME_MAX);
     for (uint32_t i = 0; i < index; ++i)
         if (strcmp(bone->turn[i].name, name) == 0)
             return error_set(err, MRT_ERR_FORMAT,
-                             "%s.name: there is already a turn \"%s\"; choose another name",
+                             "%s.name: the ball already has a turn \"%s\"; choose another name",
                              at->path.text, name);
     return MRT_OK;
 }
 
-/* bone: the next of the rig. */
+/* `bone` is the next entry of the rig: it is not counted in bone_count yet. */
 static mrt_result read_follows(rig_bone *bone, uint32_t index, const json_node *at, rig *r,
                                error *err)
 {
@@ -432,9 +434,9 @@ static mrt_result read_follows(rig_bone *bone, uint32_t index, const json_node *
     if (result < 0)
         return result;
     uint32_t before = r->bone_count;
-    r->bone_count += 1; /* its own turns are found, too */
+    r->bone_count += 1; /* include its own turns in the search */
     if (!rig_find_turn(r, name, &out->bone, &out->turn))
-        fault = "is no turn of a ball that is listed before";
+        fault = "is not a turn of a ball that is listed before it";
     r->bone_count = before;
     if (!fault)
         fault = rig_follow_fault(r, before, index);
@@ -464,8 +466,8 @@ static mrt_result read_turn(rig_bone *bone, const json_node *at, rig *r, error *
     if (result < 0)
         return result;
     if (!(vec3_length(turn->axis) > 1e-9))
-        return error_set(err, MRT_ERR_FORMAT, "%s: expected a direction, found one of length 0",
-                         axis.path.text);
+        return error_set(err, MRT_ERR_FORMAT,
+                         "%s: expected a direction, found a vector of length 0", axis.path.text);
     turn->axis = vec3_normalised(turn->axis, (vec3){1.0, 0.0, 0.0});
     json_node deg = json_node_member(at, "deg");
     result = read_range(&turn->min_rad, &turn->max_rad, &deg, 180.0, err);
@@ -497,7 +499,7 @@ static mrt_result read_ball(rig_bone *bone, const reading *in, error *err)
     return result;
 }
 
-/* ---- any bone ---- */
+/* ---- bones of any kind ---- */
 
 static const char *const fixed_keys[] = {"name", "parent", NULL};
 static const char *const jaw_keys[] = {
@@ -510,7 +512,7 @@ static mrt_result read_kind(rig_bone *bone, const reading *in, error *err)
     bool has_ball = json_object_get(in->node.value, "ball") != NULL;
     if (has_hinge && has_ball)
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s: has both a hinge and a ball; a bone moves in one way",
+                         "%s: has both a hinge and a ball; a bone can have only one of them",
                          in->node.path.text);
     const char *const *keys = has_hinge ? jaw_keys : has_ball ? ball_keys : fixed_keys;
     rig_json_note_unknown(&in->r->note, &in->node, keys);
@@ -526,11 +528,11 @@ static mrt_result read_parent(rig_bone *bone, const reading *in, error *err)
         return MRT_OK;
     if (!name)
         return json_node_unexpected(err, &parent, "the name of a bone, or null for none");
-    bone->parent = rig_find_bone(in->r, name); /* only among those read so far */
+    bone->parent = rig_find_bone(in->r, name); /* finds only bones that were read before this one */
     if (parent.value && bone->parent == RIG_NONE) {
         json_words word = json_shown(name);
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s: there is no bone \"%s\" before this one; list parents first",
+                         "%s: no bone before this one is called \"%s\"; list parents first",
                          parent.path.text, word.text);
     }
     return MRT_OK;
@@ -552,11 +554,11 @@ static mrt_result check_dofs(const rig *r, const json_node *last, error *err)
     dof_count += r->mouth.upper != NULL;
     if (jaw_count > 1)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "%s: a second bone with a hinge; a face has one jaw", last->path.text);
+                         "%s: a second bone has a hinge; a face has only one jaw", last->path.text);
     if (dof_count > MRT_MAX_DOFS)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "%s: %u degrees of freedom are too many, at most %d", last->path.text,
-                         dof_count, MRT_MAX_DOFS);
+                         "%s: the rig has %u degrees of freedom, but at most %d are supported",
+                         last->path.text, dof_count, MRT_MAX_DOFS);
     return MRT_OK;
 }
 
@@ -581,7 +583,7 @@ static mrt_result fill_bones(rig *r, rig_document *d, error *err)
         if (result < 0)
             return result;
         result = read_bone(bone, &in, err);
-        r->bone_count = i + 1; /* from here on it can be a parent */
+        r->bone_count = i + 1; /* can be a parent of the bones that follow */
         if (result >= 0)
             result = check_dofs(r, &in.node, err);
     }
@@ -614,7 +616,7 @@ rig_dof_unit rig_dof_unit_of(const rig *r, const char *name)
 
 enum { PULLS_MAX = 1024 };
 
-/* The contact called `name`, which the value or key at `at` says. */
+/* Finds the contact `name`; `at` is the JSON value or key that names it. */
 static mrt_result find_contact(uint32_t *out, const rig *r, const char *name, const json_node *at,
                                error *err)
 {
@@ -623,7 +625,7 @@ static mrt_result find_contact(uint32_t *out, const rig *r, const char *name, co
         return MRT_OK;
     json_words word = json_shown(name);
     return error_set(err, MRT_ERR_FORMAT,
-                     "%s: there is no contact \"%s\"; add it to $.contacts or take it out here",
+                     "%s: the rig has no contact \"%s\"; add it to $.contacts or remove it here",
                      at->path.text, word.text);
 }
 
@@ -635,7 +637,7 @@ static mrt_result add_dof(rig_pose *pose, const rig *r, const char *name, const 
     rig_dof_unit unit = rig_dof_unit_of(r, name);
     if (unit == RIG_DOF_UNKNOWN)
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s: there is no such degree of freedom; a hinge has open, lateral and "
+                         "%s: unknown degree of freedom; a hinge has open, lateral and "
                          "forward (\"jaw.open\"), a ball has its turns (\"eye.l.yaw\"), a mouth "
                          "has " RIG_LIPS_SEAL,
                          at->path.text);
@@ -659,7 +661,8 @@ static mrt_result read_dofs(rig_pose *pose, const rig *r, const json_node *dofs,
         return result;
     size_t count = json_object_size(dofs->value);
     if (count > MRT_MAX_DOFS)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: at most %d", dofs->path.text, MRT_MAX_DOFS);
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: has more than %d entries; remove some",
+                         dofs->path.text, MRT_MAX_DOFS);
     pose->dof_name = calloc(count + 1, sizeof *pose->dof_name);
     pose->dof_value = calloc(count + 1, sizeof *pose->dof_value);
     if (!pose->dof_name || !pose->dof_value)
@@ -685,7 +688,8 @@ static mrt_result read_pulls(rig_pose *pose, const rig *r, const json_node *pull
         return result;
     size_t count = json_object_size(pulls->value);
     if (count > PULLS_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: at most %d", pulls->path.text, PULLS_MAX);
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: has more than %d entries; remove some",
+                         pulls->path.text, PULLS_MAX);
     pose->pull_contact = calloc(count + 1, sizeof *pose->pull_contact);
     pose->pull_mm = calloc(count + 1, sizeof *pose->pull_mm);
     if (!pose->pull_contact || !pose->pull_mm)
@@ -732,8 +736,8 @@ static mrt_result read_pose(rig *r, rig_pose *pose, const json_node *at, double 
     return result < 0 ? result : read_pulls(pose, r, &pulls, mm_per_unit, err);
 }
 
-/* Each name is looked for among all contacts. */
-static mrt_result pay_for_names(rig_document *d, const rig *r, uint32_t name_count, error *err)
+/* Charges the budget for the search of each name among all contacts. */
+static mrt_result charge_names(rig_document *d, const rig *r, uint32_t name_count, error *err)
 {
     return budget_spend_work(&d->budget, (uint64_t)name_count * r->contact_count, err);
 }
@@ -746,7 +750,7 @@ static mrt_result fill_poses(rig *r, rig_document *d, error *err)
         r->pose_count = i + 1;
         result = read_pose(r, &r->pose[i], &entry->node, d->file[entry->file].mm_per_unit, err);
         if (result >= 0)
-            result = pay_for_names(d, r, r->pose[i].pull_count, err);
+            result = charge_names(d, r, r->pose[i].pull_count, err);
     }
     return result;
 }
@@ -762,7 +766,8 @@ static mrt_result add_to_set(rig_contact_set *set, const rig *r, const json_node
     mrt_result result = find_contact(&contact, r, name, item, err);
     for (uint32_t i = 0; result >= 0 && i < set->contact_count; ++i)
         if (set->contact[i] == contact)
-            return error_set(err, MRT_ERR_FORMAT, "%s: \"%s\" is in this set already; take it out",
+            return error_set(err, MRT_ERR_FORMAT,
+                             "%s: \"%s\" is already in this set; remove one of them",
                              item->path.text, r->contact[contact].name);
     if (result >= 0)
         set->contact[set->contact_count++] = contact;
@@ -795,14 +800,14 @@ static mrt_result fill_contact_sets(rig *r, rig_document *d, error *err)
         r->contact_set_count = i + 1;
         result = read_set(&r->contact_set[i], r, &d->entry[RIG_SETS][i], err);
         if (result >= 0)
-            result = pay_for_names(d, r, r->contact_set[i].contact_count, err);
+            result = charge_names(d, r, r->contact_set[i].contact_count, err);
     }
     return result;
 }
 
 enum { MESH_NAME_MAX = 1024, HASH_DIGITS = 16 };
 
-/* ---- what it is ---- */
+/* ---- name, mesh and solver ---- */
 
 static const char *const root_keys[] = {
     "marotte_rig",  "name",      "mesh",    "unit",      "mesh_vertices", "mesh_hash",
@@ -810,7 +815,7 @@ static const char *const root_keys[] = {
     "contact_sets", "solver",    "paints",  "mesh_unit", "mesh_up",       "mesh_forward",
     "shapes",       "cut_mouth", "mouth",   NULL};
 
-/* "rigs/moai/moai.rig.json" is called "moai". */
+/* Derives the name from the file: "rigs/moai/moai.rig.json" becomes "moai". */
 static char *name_from_path(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -850,10 +855,10 @@ static mrt_result fill_mesh_path(rig *r, const rig_document *d, error *err)
     json_node named = rig_document_scalar(d, "mesh", &file);
     if (!named.value)
         return error_set(err, MRT_ERR_FORMAT,
-                         "$.mesh: expected the name of the mesh's file, found nothing; write "
+                         "$.mesh: expected the file name of the mesh, found nothing; write "
                          "\"mesh\": \"head.glb\"");
     mrt_result result =
-        rig_json_text(&name, &named, "the name of the mesh's file", MESH_NAME_MAX, err);
+        rig_json_text(&name, &named, "the file name of the mesh", MESH_NAME_MAX, err);
     if (result < 0)
         return result;
     char *directory = file_directory(d->file[file].path);
@@ -876,7 +881,7 @@ static mrt_result fill_hash(rig *r, const json_node *at, error *err)
 {
     const char *text = json_string_value(at->value);
     if (!text || strlen(text) != HASH_DIGITS || strspn(text, "0123456789abcdef") != HASH_DIGITS)
-        return json_node_unexpected(err, at, "16 digits 0-9a-f as marotte rig new writes them");
+        return json_node_unexpected(err, at, "16 digits 0-9a-f, as written by marotte rig new");
     r->mesh_hash = strtoull(text, NULL, 16);
     return MRT_OK;
 }
@@ -948,7 +953,7 @@ static mrt_result find_bone(uint32_t *out, const rig *r, const json_node *at, er
     if (*out != RIG_NONE)
         return MRT_OK;
     json_words word = json_shown(name);
-    return error_set(err, MRT_ERR_FORMAT, "%s: there is no bone \"%s\"; add it to $.bones",
+    return error_set(err, MRT_ERR_FORMAT, "%s: the rig has no bone \"%s\"; add it to $.bones",
                      at->path.text, word.text);
 }
 
@@ -957,21 +962,22 @@ static mrt_result check_region(const rig_region *region, const json_node *at, er
     bool has_weight = !isnan(region->weight), has_mobility = !isnan(region->mobility);
     if (region->is_rigid && (has_weight || has_mobility))
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s: rigid means weight 1 and mobility 0; leave weight and mobility away",
+                         "%s: a rigid region cannot set \"weight\" or \"mobility\"; remove them",
                          at->path.text);
     if (!region->is_rigid && !has_weight && !has_mobility)
-        return error_set(err, MRT_ERR_FORMAT,
-                         "%s: expected \"rigid\": true, \"weight\" or \"mobility\": this region "
-                         "says nothing",
-                         at->path.text);
+        return error_set(
+            err, MRT_ERR_FORMAT,
+            "%s: expected \"rigid\": true, \"weight\" or \"mobility\": this region sets nothing",
+            at->path.text);
     if (region->bone == RIG_NONE && (region->is_rigid || has_weight))
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s.bone: expected the name of the bone that these vertices ride on",
+                         "%s.bone: expected the name of the bone that moves these vertices",
                          at->path.text);
     return MRT_OK;
 }
 
-/* A name is for people: one that is none of ours to show is kept in the file. */
+/* Names are for display only. A name that cannot be shown is dropped here, but kept in the
+ * file. */
 static void fill_region_name(rig_region *region, const json_node *at)
 {
     json_node name = json_node_member(at, "name");
@@ -1046,8 +1052,7 @@ static mrt_result find_mirror(rig *r, uint32_t index, const json_node *contact, 
         return MRT_OK;
     json_words word = json_shown(name);
     return error_set(err, MRT_ERR_FORMAT,
-                     "%s: there is no contact \"%s\"; add it to $.contacts or leave the mirror "
-                     "away",
+                     "%s: the rig has no contact \"%s\"; add it to $.contacts or remove \"mirror\"",
                      at.path.text, word.text);
 }
 
@@ -1091,7 +1096,8 @@ static mrt_result fill_proxy(rig *r, rig_proxy *proxy, const json_node *at, doub
     json_node ellipsoid = json_node_member(at, "ellipsoid"), teeth = json_node_member(at, "teeth");
     if (teeth.value && ellipsoid.value)
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s: is an ellipsoid and teeth; make two entries of it", at->path.text);
+                         "%s: has both \"ellipsoid\" and \"teeth\"; split it into two entries",
+                         at->path.text);
     if (teeth.value) {
         proxy->kind = PROXY_TEETH;
         ellipsoid = teeth;
@@ -1110,7 +1116,8 @@ static mrt_result fill_proxy(rig *r, rig_proxy *proxy, const json_node *at, doub
     if (result < 0)
         return result;
     if (!(proxy->radii.x > 0.0 && proxy->radii.y > 0.0 && proxy->radii.z > 0.0))
-        return error_set(err, MRT_ERR_FORMAT, "%s: expected three radii above 0", radii.path.text);
+        return error_set(err, MRT_ERR_FORMAT, "%s: expected three radii greater than 0",
+                         radii.path.text);
     return find_bone(&proxy->bone, r, &bone, err);
 }
 
@@ -1126,7 +1133,7 @@ static mrt_result fill_proxies(rig *r, rig_document *d, error *err)
     return result;
 }
 
-/* ---- all of it ---- */
+/* ---- the whole rig ---- */
 
 static mrt_result fill_axis(mesh_axis *out, rig_document *d, const char *key, error *err)
 {
@@ -1160,9 +1167,8 @@ static mrt_result fill_cut_mouth(rig *r, rig_document *d, error *err)
     if (!list.value)
         return MRT_OK;
     if (count < 4 || count > MESH_CUT_MAX)
-        return json_node_unexpected(err, &list,
-                                    "a list of 4 vertices or more, as marotte rig new "
-                                    "--cut-mouth writes it");
+        return json_node_unexpected(
+            err, &list, "a list of 4 vertices or more, as written by marotte rig new --cut-mouth");
     r->cut_mouth = malloc(count * sizeof *r->cut_mouth);
     mrt_result result = r->cut_mouth ? MRT_OK : no_memory(err);
     for (size_t i = 0; result >= 0 && i < count; ++i) {
@@ -1173,16 +1179,16 @@ static mrt_result fill_cut_mouth(rig *r, rig_document *d, error *err)
     return result;
 }
 
-/* Checks only numbers: whether these vertices are rims is seen on the mesh (bind_lips). */
+/* Checks only the numbers. Whether the vertices form rims is checked on the mesh (bind_lips). */
 static mrt_result read_rim(uint32_t **out, uint32_t *out_count, const json_node *mouth,
                            const char *key, error *err)
 {
     json_node list = json_node_member(mouth, key);
     size_t count = json_array_size(list.value);
     if (count < RIG_RIM_LEAST || count > RIG_RIM_MOST)
-        return json_node_unexpected(err, &list,
-                                    "a list of 3 vertices or more, from the right corner of the "
-                                    "mouth to the left one");
+        return json_node_unexpected(
+            err, &list,
+            "a list of 3 vertices or more, from the right corner of the mouth to the left one");
     *out = malloc(count * sizeof **out);
     mrt_result result = *out ? MRT_OK : no_memory(err);
     for (size_t i = 0; result >= 0 && i < count; ++i) {
@@ -1217,8 +1223,8 @@ static mrt_result read_mouth(rig_mouth *out, char **note, const json_node *mouth
                                                  RIG_STICKINESS_MOST_MM, err);
 }
 
-/* A mouth that cannot be read is declared all the same, without rims: poses that name its seal stay
- * good, and the face performs. */
+/* An invalid mouth is still declared, but without rims. So poses that name its seal stay valid,
+ * and the face can be performed. */
 static mrt_result fill_mouth(rig *r, rig_document *d, error *err)
 {
     uint32_t file;
@@ -1257,7 +1263,7 @@ static void note_unknown_roots(rig *r, const rig_document *d)
     }
 }
 
-/* All of `r`; on error it is left such that rig_destroy frees it. */
+/* Fills all of `r`. On error `r` can still be passed to rig_destroy. */
 static mrt_result fill(rig *r, rig_document *d, error *err)
 {
     static mrt_result (*const steps[])(rig *, rig_document *, error *) = {

@@ -15,7 +15,7 @@ csrbf_settings rig_poses_solver(const rig *r, const mesh *m)
     mesh_bounds(m, low, high);
     if (!(solver.radius > 0.0))
         solver.radius = 0.25 * fmax((double)high[1] - (double)low[1], 1.0);
-    solver.stretch_most = -1.0; /* a pose that folds is to be seen */
+    solver.stretch_most = -1.0; /* show poses that fold, too */
     return solver;
 }
 
@@ -58,7 +58,7 @@ void rig_poses_stage_finish(rig_poses_stage *self)
     *self = (rig_poses_stage){0};
 }
 
-/* ---- halves of a face ---- */
+/* ---- the halves of a face ---- */
 
 static bool starts(const char *name, const char *with)
 {
@@ -101,7 +101,7 @@ void rig_poses_contact_parts(rig_pose_part *out, const rig *r, const vec3 *at)
             out[i] = at[i].y > border ? POSE_UPPER : POSE_MOUTH;
 }
 
-/* ---- on a face ---- */
+/* ---- poses on a face ---- */
 
 static void read_dofs(float out_dof[MRT_MAX_DOFS], const bones *b, const rig_pose *pose)
 {
@@ -112,9 +112,9 @@ static void read_dofs(float out_dof[MRT_MAX_DOFS], const bones *b, const rig_pos
                 out_dof[k] = (float)pose->dof_value[i];
 }
 
-/* With all bones at rest, as face_reset left them. */
-static mrt_result take_hold(face *f, const csrbf_settings *solver, const uint32_t *contact,
-                            uint32_t count, error *err)
+/* Engages contacts with all bones at rest, as after face_reset. */
+static mrt_result engage_contacts(face *f, const csrbf_settings *solver, const uint32_t *contact,
+                                  uint32_t count, error *err)
 {
     face_control *control = calloc(count + (size_t)1, sizeof *control);
     if (!control)
@@ -138,7 +138,7 @@ static void set_row(double *rows, uint32_t k, vec3 value)
     rows[3 * k + 2] = value.z;
 }
 
-/* Which contacts are held, and how far each is pulled. */
+/* The contacts that are held, and the pull of each. */
 typedef struct held {
     uint32_t contact[MRT_MAX_VECTORS], count;
     vec3 pull_mm[MRT_MAX_VECTORS];
@@ -182,7 +182,7 @@ static mrt_result pull(face *f, const held *h, const float *dof, error *err)
     return face_pull(f, end, dof, err);
 }
 
-/* ---- mouthClose closes the lips of an open jaw ---- */
+/* ---- mouthClose, which closes the lips of an open jaw ---- */
 
 static const rig_pose *find_pose(const rig *r, const char *name)
 {
@@ -192,7 +192,7 @@ static const rig_pose *find_pose(const rig *r, const char *name)
     return NULL;
 }
 
-typedef struct summed_pose { /* names are borrowed */
+typedef struct summed_pose { /* names are not owned */
     char *dof_name[MRT_MAX_DOFS];
     double dof_value[MRT_MAX_DOFS];
     uint32_t pull_contact[MRT_MAX_VECTORS];
@@ -225,7 +225,7 @@ static void add_pose(summed_pose *out, const rig_pose *pose)
     }
 }
 
-/* As it is shown: mouthClose over the rig's jawOpen. `sum` is where that is put. */
+/* Returns the pose to show: mouthClose is added to the rig's jawOpen in `sum`. */
 static const rig_pose *shown_pose(summed_pose *sum, const rig *r, const rig_pose *pose)
 {
     const rig_pose *jaw = find_pose(r, "jawOpen");
@@ -253,7 +253,7 @@ mrt_result rig_poses_show_on(face *f, const rig *r, uint32_t pose, const csrbf_s
     set_pulls(&all, wanted, wanted->pull_count + wanted->follow_count);
     read_dofs(dof, face_bones(f), wanted);
     face_reset(f);
-    mrt_result result = take_hold(f, solver, all.contact, all.count, &why);
+    mrt_result result = engage_contacts(f, solver, all.contact, all.count, &why);
     if (result >= 0)
         result = pull(f, &all, dof, &why);
     if (result < 0)
@@ -269,12 +269,12 @@ mrt_result rig_poses_show(rig_poses_stage *self, uint32_t pose, error *err)
     return result;
 }
 
-/* ---- where the contacts go that a pose does not name ---- */
+/* ---- contacts that a pose does not name ---- */
 
 static const double least_follow_mm = 0.05;
 
-/* The contacts alone: positions follow the formula of face.h without projection and fold guard, and
- * a pose takes some 0.1 ms. */
+/* A small face with only the contacts as vertices. Positions follow the formula of face.h without
+ * projection and limit, so a pose takes about 0.1 ms. */
 typedef struct contacts_alone {
     rig rig;
     mesh mesh;
@@ -338,8 +338,8 @@ static void contacts_alone_destroy(contacts_alone *self)
     arrays_free(&self->arrays);
 }
 
-/* With the contacts pulled that the pose names, and those at rest that it leaves to another half.
- */
+/* Shows a pose with only its named contacts pulled. For a pose of one half, also holds the contacts
+ * of the other half at rest. */
 static mrt_result show_named(face *f, const rig_pose *pose, const rig_pose *shown,
                              const rig_pose_part *part, uint32_t contact_count,
                              const csrbf_settings *solver, error *err)
@@ -352,11 +352,11 @@ static mrt_result show_named(face *f, const rig_pose *pose, const rig_pose *show
         if (part[i] != pose->part)
             hold(&named, i);
     face_reset(f);
-    mrt_result result = take_hold(f, solver, named.contact, named.count, err);
+    mrt_result result = engage_contacts(f, solver, named.contact, named.count, err);
     return result < 0 ? result : pull(f, &named, dof, err);
 }
 
-/* How far each of the contacts held is from rest, with the bones taken back. */
+/* Computes the pull of each held contact from its position, with the bones back at rest. */
 static void read_pulls(vec3 *out, const face *f, uint32_t count, const vec3 *at, const float *dof)
 {
     double end[3 * MRT_MAX_VECTORS];
@@ -373,7 +373,7 @@ static void read_contacts(vec3 *out, const face *f, uint32_t count)
         out[i] = face_contact_now(f, 1 + i);
 }
 
-/* Fixed-point steps: a contact that hardly yields falls short of where it is pulled. */
+/* Iterates to a fixed point, since a contact with low mobility falls short of its end. */
 static mrt_result find_follows(held *all, contacts_alone *c, const rig_pose *pose,
                                const rig_pose *shown, const csrbf_settings *solver, error *err)
 {
@@ -393,7 +393,7 @@ static mrt_result find_follows(held *all, contacts_alone *c, const rig_pose *pos
     hold_all(all, count);
     set_pulls(all, pose, pose->pull_count);
     face_reset(c->face);
-    result = take_hold(c->face, solver, all->contact, all->count, err);
+    result = engage_contacts(c->face, solver, all->contact, all->count, err);
     if (result >= 0)
         read_pulls(wanted, c->face, count, at, dof);
     for (int round = 0; round < ROUNDS && result >= 0; ++round) {
@@ -444,7 +444,7 @@ mrt_result rig_poses_complete(rig *r, uint32_t first, const face *f, const csrbf
     for (uint32_t i = first; i < r->pose_count && result >= 0; ++i) {
         summed_pose sum;
         held all;
-        error ignored = {""}; /* whoever performs the pose learns that it cannot be */
+        error ignored = {""}; /* reported when the pose is performed */
         if (r->pose[i].pull_count == 0)
             continue;
         const rig_pose *shown = shown_pose(&sum, r, &r->pose[i]);
@@ -477,7 +477,7 @@ mrt_result rig_poses_show_named(rig_poses_stage *self, uint32_t pose, error *err
     return result;
 }
 
-/* ---- a pose of a shape ---- */
+/* ---- a pose from a shape ---- */
 
 static const double least_way_mm = 0.25, least_dof = 1e-3;
 
@@ -491,7 +491,7 @@ static bool allocate_pose(rig_pose *out, const char *name, uint32_t dofs, uint32
     return out->name && out->dof_name && out->dof_value && out->pull_contact && out->pull_mm;
 }
 
-static bool note_dofs(rig_pose *out, const bones *b, const float *dof)
+static bool set_dofs(rig_pose *out, const bones *b, const float *dof)
 {
     for (uint32_t i = 0; i < b->dof_count; ++i) {
         if (!(fabs((double)dof[i]) > least_dof))
@@ -504,7 +504,7 @@ static bool note_dofs(rig_pose *out, const bones *b, const float *dof)
     return true;
 }
 
-/* How far each contact is pulled; as many as can be engaged at once. */
+/* Computes the pull of each contact, in groups that can be engaged together. */
 static mrt_result find_ways(vec3 *out, face *f, const csrbf_settings *solver, uint32_t first,
                             uint32_t count, const vec3 *at, const float *dof, error *err)
 {
@@ -517,7 +517,7 @@ static mrt_result find_ways(vec3 *out, face *f, const csrbf_settings *solver, ui
         end[3 * i + 2] = at[first + i].z;
     }
     face_reset(f);
-    mrt_result result = take_hold(f, solver, contact, count, err);
+    mrt_result result = engage_contacts(f, solver, contact, count, err);
     if (result < 0)
         return result;
     face_unride(f, end, dof);
@@ -526,9 +526,10 @@ static mrt_result find_ways(vec3 *out, face *f, const csrbf_settings *solver, ui
     return MRT_OK;
 }
 
-/* Names the contacts that are not where those named so far bring them. */
-static mrt_result name_pulls(rig_pose *out, const face *f, const rig *r,
-                             const csrbf_settings *solver, const vec3 *way, error *err)
+/* Adds pulls of contacts that the other pulled contacts do not bring to their place. Repeats until
+ * no contact is added. */
+static mrt_result add_pulls(rig_pose *out, const face *f, const rig *r,
+                            const csrbf_settings *solver, const vec3 *way, error *err)
 {
     uint32_t before = RIG_NONE;
     mrt_result result = MRT_OK;
@@ -566,15 +567,14 @@ mrt_result rig_poses_of(rig_pose *out, const char *name, face *f, uint32_t room,
     const uint32_t most = room < MRT_MAX_VECTORS ? room : MRT_MAX_VECTORS;
     vec3 *way = calloc(r->contact_count + (size_t)1, sizeof *way);
     mrt_result result = MRT_OK;
-    if (!allocate_pose(out, name, b->dof_count, r->contact_count) || !note_dofs(out, b, dof) ||
-        !way)
+    if (!allocate_pose(out, name, b->dof_count, r->contact_count) || !set_dofs(out, b, dof) || !way)
         result = error_set(err, MRT_ERR_MEMORY, "no memory for a pose");
     for (uint32_t first = 0; result >= 0 && first < r->contact_count; first += most) {
         const uint32_t left = r->contact_count - first;
         result = find_ways(way, f, solver, first, left < most ? left : most, at, dof, err);
     }
     if (result >= 0)
-        result = name_pulls(out, f, r, solver, way, err);
+        result = add_pulls(out, f, r, solver, way, err);
     face_reset(f);
     free(way);
     if (result < 0)
@@ -582,9 +582,9 @@ mrt_result rig_poses_of(rig_pose *out, const char *name, face *f, uint32_t room,
     return result;
 }
 
-/* ---- carried over ---- */
+/* ---- carrying poses to another rig ---- */
 
-/* Where contacts are on a head, and how far apart: 0 where one is missing. */
+/* Access to the contacts of a head. Distances are 0 if a contact is missing. */
 typedef struct head {
     const rig *rig;
     const mesh *mesh;
@@ -610,7 +610,7 @@ static double ratio_of(const head *to, const head *from, const char *a, const ch
     return length > 0.0 ? vec3_length(vec3_sub(at[0], at[1])) / length : 0.0;
 }
 
-/* How much larger a part of the face is: across, and in the other directions. */
+/* Scale of a part of the face: across, and in the other directions. */
 typedef struct part_scale {
     double across, along;
 } part_scale;
@@ -624,7 +624,7 @@ static part_scale scale_of(const head *to, const head *from, const char *left, c
     return (part_scale){across, sqrt(across * high)};
 }
 
-/* How far the lower lip goes with the jaw wide open, mm. */
+/* Returns how far the lower lip moves when the jaw opens fully, mm. */
 static double lip_travel(const head *of)
 {
     const bones *b = &of->bones;
@@ -646,8 +646,8 @@ static const bones_dof *find_dof(const bones *b, const char *name)
     return NULL;
 }
 
-/* The same share of the way to its limit, of mouthClose back from jawOpen's; false: there is no
- * such degree of freedom. */
+/* Copies a value as the same share of its limit. For mouthClose the share refers to the opening
+ * limit, since it closes jawOpen. Returns false if there is no such degree of freedom. */
 static bool carry_dof(rig_pose *out, const char *name, double value, const bones *to,
                       const bones *from)
 {
@@ -663,8 +663,8 @@ static bool carry_dof(rig_pose *out, const char *name, double value, const bones
     return true;
 }
 
-/* How far the left corner of the mouth lies above the middle of the lips, mm; 0 where one is
- * missing. */
+/* Returns the height of the left corner of the mouth above the middle of the lips in mm, or 0 if a
+ * contact is missing. */
 static double smile_of(const head *of)
 {
     vec3 corner, upper, lower;
@@ -677,14 +677,14 @@ static double smile_of(const head *of)
 
 typedef struct carrying {
     head to, from;
-    part_scale upper, lower; /* brows; all else */
-    double closing;          /* of lips over an open jaw */
+    part_scale upper, lower; /* scale for brows, and for everything else */
+    double closing;          /* scale of mouthClose */
     double smile_mm;         /* how much more the model's mouth smiles at rest */
-    double narrowing;        /* 0.5..1: of pulls that narrow a mouth; less for a narrow one */
+    double narrowing; /* 0.5..1: factor of pulls that narrow a mouth; smaller for a narrow mouth */
 } carrying;
 
-/* Where the model's mouth smiles at rest, a pose levels it first. A mouth that is level would frown
- * by as much: that part of a pull downwards, `smile_mm` at the corners, is left out. */
+/* If the model's mouth smiles at rest, its poses also correct that smile. On a level mouth this
+ * part of a downward pull, `smile_mm` at the corners, would be a frown, so it is left out. */
 static double leveled(double down_mm, const char *contact, const carrying *c)
 {
     vec3 at, corner;
@@ -697,7 +697,8 @@ static double leveled(double down_mm, const char *contact, const carrying *c)
     return fmin(down_mm + part * c->smile_mm, 0.0);
 }
 
-/* A mouth that takes less of its face than the model's is narrowed by less: it would close. */
+/* Returns the factor for pulls that narrow a mouth. If the mouth is a smaller part of its face than
+ * the model's, full pulls would close it. */
 static double narrowing_of(const head *to, const head *from, double mouth_across)
 {
     double jaw_across = ratio_of(to, from, "jaw.angle.l", "jaw.angle.r");
@@ -715,7 +716,7 @@ static bool narrows(const rig_pose *pose, const rig *r)
     return left && right;
 }
 
-/* False: it would not be that pose, or no memory. */
+/* Returns false if the result would not be that pose, or without memory. */
 static bool carry_pose(rig_pose *out, const rig_pose *pose, const carrying *c)
 {
     bool closes = strcmp(pose->name, "mouthClose") == 0;
@@ -815,7 +816,7 @@ static void scale_jaw(rig_pose *pose, double by)
             pose->dof_value[k] *= by;
 }
 
-/* Whether the pose folds no skin, and is not held back when it is performed. */
+/* Tests that a pose does not fold the skin, and that the limit does not hold it back. */
 static mrt_result is_eased(rig_poses_stage *stage, uint32_t pose, bool *out, error *err)
 {
     static const double least = 0.05, held_most_mm = 0.3;
@@ -830,8 +831,8 @@ static mrt_result is_eased(rig_poses_stage *stage, uint32_t pose, bool *out, err
     return result;
 }
 
-/* Scales both copies of a pose until it is eased: its pulls, and with_jaw also how far the jaw
- * goes. False: nothing was enough, and the pose is unchanged. */
+/* Scales both copies of a pose until is_eased is true: its pulls, and with_jaw also the jaw's
+ * motion. *out is false if that never happens; then the pose is unchanged. */
 static mrt_result ease(rig_poses_stage *stage, rig_pose *pose, uint32_t index, bool with_jaw,
                        bool *out, error *err)
 {
@@ -871,7 +872,7 @@ mrt_result rig_poses_ease(rig *r, uint32_t first, const mesh *m, const topology 
     return result;
 }
 
-/* ---- what it does ---- */
+/* ---- measuring ---- */
 
 rig_poses_measure rig_poses_measured(const rig_poses_stage *self)
 {

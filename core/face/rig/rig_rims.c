@@ -1,13 +1,13 @@
-/* How the rims of a mouth are found. Planes x = c cut the face into columns. In each the surface is
- * a line in the plane, followed from the upper lip to the lower one. A slit is a pocket of that
- * line: a long way around between two places that lie close together. The neck of the pocket, the
- * pair (i, j) with the greatest
- *   way(i, j) - steep |p_i - p_j|,
- * is where the lips face each other: the lowest line of the upper lip and the highest of the lower
- * one where they are apart, the foremost where they touch. Columns go outwards from the middle of
- * the mouth until the pocket ends, in the corners. Where the surface ends at the lips, as in a
- * mouth without a bag, the way across the hole counts as a long one. The rims are the chains of
- * edges that follow the necks most closely, from corner to corner. */
+/* Finds the rims of a mouth. Planes x = c cut the face into columns. In each column the surface is
+ * a line, which is followed from the upper lip to the lower one. A slit is a pocket of that line: a
+ * long way between two places that are close together. The neck of the pocket is the pair (i, j)
+ * with the greatest
+ *   way(i, j) - steep |p_i - p_j|.
+ * There the lips face each other. If they are apart, it is the lowest line of the upper lip and the
+ * highest of the lower one. If they touch, it is the foremost line. Columns go outwards from the
+ * middle of the mouth until the pocket ends in the corners. If the surface ends at the lips, as in
+ * a mouth without a bag, the way across the hole counts as long. The rims are the chains of edges
+ * that follow the necks most closely, from corner to corner. */
 #include "face/rig/rig_rims.h"
 
 #include "base/arrays.h"
@@ -21,32 +21,34 @@
 
 enum { COLUMNS_MAX = 256, WAY_MAX = 3000, BISECTIONS = 8 };
 
-/* Less steep in the corners, where lips part at a wider angle. */
+/* The second value is for the corners, where lips part at a wider angle. */
 static const double steep[] = {6.0, 3.0};
 static const double column_step = 0.012; /* of the half width of the face */
-/* Of the reach, from the nose down to the chin: */
-static const double way_step = 0.006;     /* the greatest distance of two points of a way */
-static const double lip_height = 0.05;    /* where a column begins, beyond the crests of the lips */
-static const double hole_way = 0.3;       /* the way across a hole */
-static const double pocket_least = 0.06;  /* the greatest pocket of a slit is at least that */
-static const double corner_pocket = 0.01; /* a pocket ends where it is less */
-static const double jump_most = 0.05;     /* from one column to the next */
-static const double width_least = 0.12;   /* of the half width: how wide a slit is at least */
-static const double path_width = 0.02;    /* of the slit's width: how close chains follow necks */
-static const double off_most = 0.10;      /* of the slit's width: how far a rim is off its necks */
-static const double corner_near = 0.12;   /* of the slit's width: where a corner's vertex may be */
+/* Shares of the reach, the height from the nose down to the chin: */
+static const double way_step = 0.006;     /* greatest distance between two points of a way */
+static const double lip_height = 0.05;    /* start of a column beyond the crests of the lips */
+static const double hole_way = 0.3;       /* length of the way across a hole */
+static const double pocket_least = 0.06;  /* least size of the greatest pocket of a slit */
+static const double corner_pocket = 0.01; /* pocket size below which a pocket ends */
+static const double jump_most = 0.05;     /* greatest jump from one column to the next */
+static const double width_least = 0.12;   /* of the half width: least width of a slit */
+static const double path_width = 0.02;    /* of the slit's width: how closely chains follow necks */
+static const double off_most =
+    0.10; /* of the slit's width: greatest distance of a rim from its necks */
+static const double corner_near =
+    0.12; /* of the slit's width: greatest distance of a corner's vertex */
 
-typedef struct crossing { /* where a plane cuts an edge of the surface, or beside that */
+typedef struct crossing { /* point where a plane cuts an edge of the surface, or near it */
     uint32_t point[2];
     double y, z;
 } crossing;
 
-typedef struct segment { /* of a triangle */
+typedef struct segment { /* part of a triangle in the plane */
     crossing end[2];
-    uint32_t next[2]; /* the segment at the other side of that edge; RIG_NONE: it is a border */
+    uint32_t next[2]; /* segment on the other side of that edge; RIG_NONE for a border */
 } segment;
 
-typedef struct edge_end { /* of a segment, to be sorted by its edge */
+typedef struct edge_end { /* end of a segment, for sorting by edge */
     uint32_t point[2], segment, end;
 } edge_end;
 
@@ -60,20 +62,21 @@ typedef struct finding {
     const mesh *m;
     const topology *t;
     char *why_not;
-    double reach_mm, half_mm;           /* half the width of the face */
-    uint32_t *triangle, triangle_count; /* around the mouth */
+    double reach_mm, half_mm;           /* half_mm: half the width of the face */
+    uint32_t *triangle, triangle_count; /* triangles around the mouth */
     segment *segment;
     edge_end *end;
     uint32_t segment_count;
     crossing *way;
     double *way_mm;
-    neck *neck; /* from the right to the left */
+    neck *neck; /* from right to left */
     uint32_t neck_count;
     double width_mm;
-    double *off[2]; /* vertex_count: how far along the surface from the necks' upper ends, lower */
+    double *off[2]; /* vertex_count: distance along the surface from the upper and lower ends of the
+                       necks */
     double *cost;
     uint32_t *before, *heap, *place;
-    arrays arrays; /* those above */
+    arrays arrays; /* owner of the arrays above */
 } finding;
 
 __attribute__((format(printf, 2, 3))) static bool refuse(finding *f, const char *format, ...)
@@ -182,7 +185,7 @@ static void cut_column(finding *f, double x)
     link_segments(f);
 }
 
-/* The foremost segment at a height; RIG_NONE: there is none. */
+/* Returns the foremost segment at a height, or RIG_NONE. */
 static uint32_t segment_in_front(const finding *f, double y)
 {
     uint32_t best = RIG_NONE;
@@ -211,7 +214,7 @@ static double apart(const crossing *a, const crossing *b)
     return sqrt(y * y + z * z);
 }
 
-/* Appends the points of a segment behind its first end. Returns how many. */
+/* Appends points along a segment, without its first end. Returns their number. */
 static uint32_t add_points(crossing *out, uint32_t room, const finding *f, const crossing *from,
                            const crossing *to)
 {
@@ -226,8 +229,8 @@ static uint32_t add_points(crossing *out, uint32_t room, const finding *f, const
     return count;
 }
 
-/* Appends to the way what lies from a segment on, leaving it downwards (-1) or upwards (1), until
- * the segment `to`. Returns how many were appended; *out_is_there: `to` was reached. */
+/* Appends the way that starts at a segment and leaves it downwards (-1) or upwards (1), up to the
+ * segment `to`. Returns the number of points; *out_is_there: `to` was reached. */
 static uint32_t walk(crossing *out, uint32_t room, bool *out_is_there, const finding *f,
                      uint32_t from, double sign, uint32_t to)
 {
@@ -251,8 +254,8 @@ static uint32_t walk(crossing *out, uint32_t room, bool *out_is_there, const fin
     return count;
 }
 
-/* The line of the surface from one lip to the other. Returns how many points it has; 0: none leads
- * there. *out_hole: it goes across a hole behind that point; RIG_NONE: across none. */
+/* Follows the surface from one lip to the other. Returns the number of points, or 0 if no line
+ * leads there. *out_hole: the way crosses a hole after that point; RIG_NONE if it crosses none. */
 static uint32_t find_way(finding *f, double upper_y, double lower_y, uint32_t *out_hole)
 {
     uint32_t above = segment_in_front(f, upper_y), below = segment_in_front(f, lower_y);
@@ -275,7 +278,7 @@ static uint32_t find_way(finding *f, double upper_y, double lower_y, uint32_t *o
     return down + up;
 }
 
-/* Sets the neck of the pocket in the way; pocket 0: there is none. */
+/* Sets the neck of the pocket in the way. Its pocket is 0 if there is none. */
 static void find_pair(neck *out, const finding *f, uint32_t count, double x, double steepness)
 {
     *out = (neck){.x = x};
@@ -293,7 +296,8 @@ static void find_pair(neck *out, const finding *f, uint32_t count, double x, dou
         }
 }
 
-/* Of the column at x, between two heights. False: no pocket there is as large as `least_mm`. */
+/* Finds the neck of the column at x, between two heights. Returns false if no pocket is larger than
+ * `least_mm`. */
 static bool find_neck(neck *out, finding *f, double x, double upper_y, double lower_y,
                       double least_mm)
 {
@@ -322,7 +326,7 @@ static double height_of(const neck *n)
     return 0.5 * (n->upper.y + n->lower.y);
 }
 
-typedef struct heights { /* of where columns begin and end, above and below the last neck */
+typedef struct heights { /* begin and end of columns, above and below the last neck */
     double above, below;
 } heights;
 
@@ -333,7 +337,7 @@ static heights heights_of(const finding *f)
                      fmax(head->mouth_y - head->lip_lower_y, 0.0) + lip_height * f->reach_mm};
 }
 
-/* A neck beside another one, if the slit goes on there. */
+/* Finds the neck next to another one, if the slit continues there. */
 static bool find_next(neck *out, finding *f, double x, const neck *from)
 {
     const heights h = heights_of(f);
@@ -352,11 +356,11 @@ static bool find_first(neck *out, finding *f)
         if (find_neck(out, f, head->middle_x + (beside[i] + 1e-4) * f->half_mm,
                       head->mouth_y + h.above, head->mouth_y - h.below, pocket_least * f->reach_mm))
             return true;
-    return refuse(f, "the surface leads straight from the upper lip to the lower one");
+    return refuse(f, "the surface is closed between the upper lip and the lower one");
 }
 
-/* Appends necks from one on until the corner. Returns how many. */
-static uint32_t go_aside(neck *out, uint32_t room, finding *f, const neck *first, double sign)
+/* Appends necks from `first` outwards to the corner. Returns their number. */
+static uint32_t follow_slit(neck *out, uint32_t room, finding *f, const neck *first, double sign)
 {
     const double step_mm = column_step * f->half_mm;
     const neck *last = first;
@@ -388,14 +392,14 @@ static bool find_necks(finding *f)
     neck first;
     if (!find_first(&first, f))
         return false;
-    uint32_t right = go_aside(f->neck, COLUMNS_MAX / 2 - 1, f, &first, -1.0);
+    uint32_t right = follow_slit(f->neck, COLUMNS_MAX / 2 - 1, f, &first, -1.0);
     for (uint32_t i = 0; i < right / 2; ++i) {
         neck kept = f->neck[i];
         f->neck[i] = f->neck[right - 1 - i];
         f->neck[right - 1 - i] = kept;
     }
     f->neck[right] = first;
-    uint32_t left = go_aside(f->neck + right + 1, COLUMNS_MAX / 2 - 1, f, &first, 1.0);
+    uint32_t left = follow_slit(f->neck + right + 1, COLUMNS_MAX / 2 - 1, f, &first, 1.0);
     f->neck_count = right + 1 + left;
     f->width_mm = f->neck[f->neck_count - 1].x - f->neck[0].x;
     if (f->width_mm < width_least * f->half_mm)
@@ -405,7 +409,7 @@ static bool find_necks(finding *f)
     return true;
 }
 
-/* ---- along edges ---- */
+/* ---- chains of edges ---- */
 
 static vec3 position_of(const crossing *c, double x)
 {
@@ -429,7 +433,7 @@ static bool measure_off(finding *f, int lip)
     return is_done;
 }
 
-/* The point where both lips meet, at the end of the necks. */
+/* Finds the vertex where both lips meet, at the end of the necks. */
 static uint32_t find_corner(const finding *f, const neck *at)
 {
     const vec3 upper = position_of(&at->upper, at->x), lower = position_of(&at->lower, at->x);
@@ -457,7 +461,7 @@ static double edge_cost(const finding *f, int lip, uint32_t a, uint32_t b)
            (1.0 + off * off);
 }
 
-/* A binary heap of points by their cost; place: where each is, 1.., 0: it is not in. */
+/* A binary heap of points by their cost. place: 1 + index in the heap; 0 if not in it. */
 static void heap_move(finding *f, uint32_t at, uint32_t point)
 {
     f->heap[at] = point;
@@ -499,14 +503,14 @@ static bool is_in_corner(const finding *f, uint32_t point)
     return x < f->neck[0].x + near_mm || x > f->neck[f->neck_count - 1].x - near_mm;
 }
 
-/* In the corners both lips are one. */
+/* In the corners both lips are the same. */
 static bool is_of_lip(const finding *f, int lip, uint32_t point)
 {
     return f->off[lip][point] <= f->off[1 - lip][point] || is_in_corner(f, point);
 }
 
-/* Dijkstra's way from one corner to the other along one lip. Returns how many points it has, from
- * `to` back; 0: none leads there. */
+/* Finds the shortest path from one corner to the other along one lip (Dijkstra). Writes it
+ * backwards from `to`. Returns the number of points, or 0 if there is no path. */
 static uint32_t find_chain(uint32_t *out, finding *f, int lip, uint32_t from, uint32_t to)
 {
     uint32_t count = 0, length = 0;
@@ -566,9 +570,9 @@ static mrt_result find_rims(rig_mouth *out, finding *f, error *err)
                 off_mm = fmax(off_mm, f->off[lip][(*rim[lip])[i]]);
         if (*count[lip] < RIG_RIM_LEAST || *count[lip] == RIG_RIM_MOST ||
             off_mm > off_most * f->width_mm) {
-            (void)refuse(f,
-                         "no edges of the mesh follow the %s lip closely: it is too coarse there",
-                         lip_name[lip]);
+            (void)refuse(
+                f, "the mesh is too coarse at the %s lip: its edges do not follow the lip closely",
+                lip_name[lip]);
             return MRT_OK;
         }
     }
@@ -603,7 +607,8 @@ mrt_result rig_rims_find(rig_mouth *out, char why_not[BIND_FAULT], const rig_ana
     return result;
 }
 
-/* The other point at the place of one: of the lower lip, behind the vertices of the file. */
+/* Returns the other point at the same place: the one on the lower lip, stored after the vertices of
+ * the file. */
 static uint32_t twin_of(const mesh *m, uint32_t point)
 {
     for (uint32_t v = m->vertex_count; v-- > point + 1;)

@@ -1,5 +1,5 @@
 /* face/rig/rig_rims.h - the rims of the slit between the lips, found on the surface of a head.
- * frame/face_lips.c seals them. Inside the room. [main] or a worker. */
+ * frame/face_lips.c seals them. Private to this folder. [main] or a worker. */
 #ifndef MAROTTE_FACE_RIG_RIMS_H
 #define MAROTTE_FACE_RIG_RIMS_H
 #include "face/bind.h"
@@ -10,7 +10,7 @@
  * sets why_not to a message. */
 CHECKED mrt_result rig_rims_find(rig_mouth *out, char why_not[BIND_FAULT], const rig_anatomy *a,
                                  const mesh *m, const topology *t, error *err);
-/* The rims of a mouth that mesh_cut_mouth has opened in m along that chain. */
+/* Sets the rims of a mouth that mesh_cut_mouth opened in m along that chain. */
 CHECKED mrt_result rig_rims_of_cut(rig_mouth *out, const uint32_t *chain, uint32_t count,
                                    const mesh *m, error *err);
 

@@ -13,17 +13,17 @@ enum { LIST_TEXT = 400 };
 
 static mrt_result no_memory(error *err)
 {
-    return error_set(err, MRT_ERR_MEMORY, "no memory to lay the rig on the mesh");
+    return error_set(err, MRT_ERR_MEMORY, "no memory to apply the rig to the mesh");
 }
 
 /* ---- distances along the surface (Dijkstra 1959) ---- */
 
-typedef struct waiting { /* to be visited */
+typedef struct waiting { /* a vertex to visit */
     double distance;
     uint32_t vertex;
 } waiting;
 
-typedef struct heap { /* the nearest first; ties by vertex */
+typedef struct heap { /* nearest item first; ties by vertex */
     waiting *item;
     size_t count;
 } heap;
@@ -71,12 +71,12 @@ static double edge_length(const mesh *m, uint32_t a, uint32_t b)
     return sqrt(x * x + y * y + z * z);
 }
 
-typedef struct walk { /* as often as wanted: each costs what it reaches */
+typedef struct walk { /* reusable; a walk costs only what it reaches */
     const mesh *m;
     const topology *t;
     heap h;
-    double *distance;  /* vertex_count; infinite where it has not been */
-    uint32_t *reached; /* where it has been */
+    double *distance;  /* vertex_count; infinite for vertices not reached */
+    uint32_t *reached; /* the vertices reached */
     size_t reached_count;
 } walk;
 
@@ -99,7 +99,7 @@ static void walk_finish(walk *w)
     free(w->reached);
 }
 
-/* A nearer way to a vertex, if it is one. */
+/* Stores a distance if it is shorter than the known one. */
 static void reach(walk *w, uint32_t vertex, double distance, double reach_mm)
 {
     if (distance > reach_mm || !(distance < w->distance[vertex]))
@@ -125,7 +125,7 @@ static void walk_on(walk *w, double reach_mm)
     }
 }
 
-static void walk_forget(walk *w)
+static void walk_reset(walk *w)
 {
     for (size_t i = 0; i < w->reached_count; ++i)
         w->distance[w->reached[i]] = (double)INFINITY;
@@ -153,10 +153,11 @@ typedef struct selecting {
     const mesh *m;
     const topology *t;
     budget budget;
-    walk walk; /* made when the first selector needs it */
+    walk walk; /* created for the first selector that needs it */
     double *distance;
-    int32_t *cover; /* vertex_count + 1: how many ranges begin less how many have ended */
-    uint32_t *piece, piece_count; /* vertex_count, likewise; the last is of no surface */
+    int32_t *cover; /* vertex_count + 1: number of ranges that begin minus those that have ended */
+    uint32_t *piece, piece_count; /* piece: vertex_count, created likewise; the index piece_count
+                                     means no surface */
 } selecting;
 
 static selecting selecting_on(const mesh *m, const topology *t)
@@ -178,7 +179,7 @@ static const char *path_of(const rig_select *select)
     return select->path ? select->path : "select";
 }
 
-static mrt_result pay(selecting *s, const rig_select *select, uint64_t steps, error *err)
+static mrt_result charge_budget(selecting *s, const rig_select *select, uint64_t steps, error *err)
 {
     mrt_result result = budget_spend_work(&s->budget, steps, err);
     if (result < 0)
@@ -186,7 +187,7 @@ static mrt_result pay(selecting *s, const rig_select *select, uint64_t steps, er
     return result;
 }
 
-/* A point of which one vertex is selected is selected. */
+/* Selects all vertices of a point if one of them is selected. */
 static void spread(float *out, const mesh *m)
 {
     for (uint32_t v = 0; m->point && v < m->vertex_count; ++v)
@@ -197,11 +198,11 @@ static void spread(float *out, const mesh *m)
 
 /* ---- by number ---- */
 
-/* Ranges may overlap as often as they like: each costs its two ends. */
+/* Ranges may overlap often, since each costs only its two ends. */
 static mrt_result select_vertices(float *out, const rig_select *select, selecting *s, error *err)
 {
     const uint32_t vertex_count = s->m->vertex_count;
-    mrt_result result = pay(s, select, select->range_count, err);
+    mrt_result result = charge_budget(s, select, select->range_count, err);
     if (result < 0)
         return result;
     if (!s->cover)
@@ -211,9 +212,10 @@ static mrt_result select_vertices(float *out, const rig_select *select, selectin
     memset(s->cover, 0, ((size_t)vertex_count + 1) * sizeof *s->cover);
     for (uint32_t i = 0; i < select->range_count; ++i) {
         if (select->last[i] >= vertex_count)
-            return error_set(err, MRT_ERR_ARGUMENT,
-                             "%s.vertices[%u]: vertex %u of a mesh of %u vertices; choose again",
-                             path_of(select), i, select->last[i], vertex_count);
+            return error_set(
+                err, MRT_ERR_ARGUMENT,
+                "%s.vertices[%u]: vertex %u does not exist, the mesh has %u vertices; choose again",
+                path_of(select), i, select->last[i], vertex_count);
         s->cover[select->first[i]] += 1;
         s->cover[select->last[i] + 1] -= 1;
     }
@@ -230,8 +232,8 @@ static mrt_result select_painted(float *out, const rig_select *select, const mes
     for (uint32_t i = 0; i < select->range_count; ++i) {
         if (select->last[i] >= m->vertex_count)
             return error_set(err, MRT_ERR_ARGUMENT,
-                             "%s.painted: \"%s\" is painted at vertex %u of a mesh of %u vertices; "
-                             "use the mesh it was painted on, or paint again",
+                             "%s.painted: \"%s\" is painted at vertex %u, but the mesh has %u "
+                             "vertices; use the mesh that was painted, or paint again",
                              path_of(select), select->name, select->last[i], m->vertex_count);
         for (uint32_t v = select->first[i]; v <= select->last[i]; ++v)
             out[v] = (float)select->value[i] / 255.0f;
@@ -299,8 +301,8 @@ static mrt_result select_attribute(float *out, const rig_select *select, const m
     for (uint32_t i = 0; i < m->attribute_count; ++i)
         list_name(list, m->attribute[i].name);
     return error_set(err, MRT_ERR_ARGUMENT,
-                     "%s.attribute: the mesh has no vertex attribute \"%s\" (it has: %s); glTF "
-                     "files carry painted weights under names that begin with _",
+                     "%s.attribute: the mesh has no vertex attribute \"%s\" (it has: %s); in glTF "
+                     "files the names of painted weights begin with _",
                      path_of(select), select->name, list[0] ? list : "none");
 }
 
@@ -336,9 +338,10 @@ static mrt_result select_within(float *out, const rig_select *select, selecting 
     enum { STEPS_PER_VERTEX = 32 };
     const mesh *m = s->m;
     if (select->vertex >= m->vertex_count)
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s.within.of: vertex %u of a mesh of %u vertices; choose again",
-                         path_of(select), select->vertex, m->vertex_count);
+        return error_set(
+            err, MRT_ERR_ARGUMENT,
+            "%s.within.of: vertex %u does not exist, the mesh has %u vertices; choose again",
+            path_of(select), select->vertex, m->vertex_count);
     if (!s->distance) {
         s->distance = malloc(((size_t)m->vertex_count + 1) * sizeof *s->distance);
         if (!s->distance || !walk_init(&s->walk, m, s->t, s->distance, 1))
@@ -350,8 +353,8 @@ static mrt_result select_within(float *out, const rig_select *select, selecting 
     for (size_t i = 0; i < w->reached_count; ++i)
         out[w->reached[i]] = 1.0f;
     uint64_t steps = (uint64_t)w->reached_count * STEPS_PER_VERTEX;
-    walk_forget(w);
-    return pay(s, select, steps, err);
+    walk_reset(w);
+    return charge_budget(s, select, steps, err);
 }
 
 /* ---- by the skin of the file ---- */
@@ -373,7 +376,7 @@ static mrt_result select_joint(float *out, const rig_select *select, selecting *
         for (uint32_t i = 0; i < m->joint_count; ++i)
             list_name(list, m->joint[i].name);
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s.joint: the mesh has no skin on a joint \"%s\"; it has: %s",
+                         "%s.joint: the skin of the mesh has no joint \"%s\"; it has: %s",
                          path_of(select), select->name, list[0] ? list : "none");
     }
     uint8_t *is_below = calloc((size_t)m->joint_count + 1, 1);
@@ -388,10 +391,10 @@ static mrt_result select_joint(float *out, const rig_select *select, selecting *
         out[v] = fminf(out[v], 1.0f);
     }
     free(is_below);
-    return pay(s, select, m->vertex_count, err);
+    return charge_budget(s, select, m->vertex_count, err);
 }
 
-/* ---- joined ---- */
+/* ---- combined ---- */
 
 static mrt_result select_one(float *out, const rig_select *select, selecting *s, error *err);
 
@@ -436,9 +439,10 @@ static mrt_result select_piece(float *out, const rig_select *select, selecting *
 {
     const uint32_t count = s->m->vertex_count;
     if (select->vertex >= count)
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s.piece: vertex %u of a mesh of %u vertices; choose again",
-                         path_of(select), select->vertex, count);
+        return error_set(
+            err, MRT_ERR_ARGUMENT,
+            "%s.piece: vertex %u does not exist, the mesh has %u vertices; choose again",
+            path_of(select), select->vertex, count);
     mrt_result result = find_pieces(s, err);
     for (uint32_t v = 0; result >= 0 && v < count; ++v)
         out[v] = s->piece[v] == s->piece[select->vertex] ? 1.0f : 0.0f;
@@ -462,7 +466,8 @@ static mrt_result select_pieces_inside(float *out, const rig_select *select, sel
     return result;
 }
 
-/* One that names vertices, not a region of space. */
+/* Evaluates a selector that names vertices. The others name a region of space or combine
+ * selectors. */
 static mrt_result select_by_vertex(float *out, const rig_select *select, selecting *s, error *err)
 {
     const mesh *m = s->m;
@@ -472,7 +477,7 @@ static mrt_result select_by_vertex(float *out, const rig_select *select, selecti
         result = select_vertices(out, select, s, err);
         break;
     case SELECT_GROUP:
-        result = pay(s, select, m->part_count, err);
+        result = charge_budget(s, select, m->part_count, err);
         if (result >= 0)
             result = select_group(out, select, m, err);
         break;
@@ -480,7 +485,7 @@ static mrt_result select_by_vertex(float *out, const rig_select *select, selecti
         result = select_attribute(out, select, m, err);
         break;
     case SELECT_PAINTED:
-        result = pay(s, select, select->range_count, err);
+        result = charge_budget(s, select, select->range_count, err);
         if (result >= 0)
             result = select_painted(out, select, m, err);
         break;
@@ -502,7 +507,7 @@ static mrt_result select_by_vertex(float *out, const rig_select *select, selecti
 static mrt_result select_one(float *out, const rig_select *select, selecting *s, error *err)
 {
     const mesh *m = s->m;
-    mrt_result result = pay(s, select, m->vertex_count / 4u + 1, err);
+    mrt_result result = charge_budget(s, select, m->vertex_count / 4u + 1, err);
     if (result < 0)
         return result;
     memset(out, 0, (size_t)m->vertex_count * sizeof *out);
@@ -542,15 +547,15 @@ mrt_result bind_select(float *out, const rig_select *select, const mesh *m, cons
     return result;
 }
 
-/* ---- marks: what the regions say ---- */
+/* ---- marks set by the regions ---- */
 
 typedef struct marking {
     bind_marks *marks;
     const rig *r;
     const mesh *m;
     selecting selecting;
-    float *selected;        /* vertex_count: the region's own weights */
-    uint32_t *rigid_region; /* vertex_count: which region made it rigid */
+    float *selected;        /* vertex_count: weights of the current region */
+    uint32_t *rigid_region; /* vertex_count: region that made the vertex rigid */
 } marking;
 
 static float *weight_at(const marking *k, uint32_t bone, uint32_t vertex)
@@ -558,8 +563,8 @@ static float *weight_at(const marking *k, uint32_t bone, uint32_t vertex)
     return &k->marks->weight[(size_t)bone * k->m->vertex_count + vertex];
 }
 
-/* Others keep their shares as far as there is room beside the new one; a whole share leaves
- * nothing open. */
+/* Sets a weight. Other bones keep their shares, or share the room that the new one leaves. A share
+ * of 1 sets all others to 0. */
 static void mark_weight(const marking *k, uint32_t vertex, uint32_t bone, float weight)
 {
     float others = 0.0f, room = 1.0f - weight;
@@ -584,8 +589,8 @@ static mrt_result refuse_overlap(const marking *k, uint32_t region, uint32_t ver
     json_path a = rig_entry_path(k->r, RIG_REGIONS, first),
               b = rig_entry_path(k->r, RIG_REGIONS, region);
     return error_set(err, MRT_ERR_ARGUMENT,
-                     "%s: overlaps %s: vertex %u would be rigid on \"%s\" and on \"%s\"; take it "
-                     "out of one of them",
+                     "%s: overlaps %s: vertex %u would be rigid on \"%s\" and on \"%s\"; remove it "
+                     "from one of them",
                      b.text, a.text, vertex, k->r->bone[k->r->region[region].bone].name,
                      k->r->bone[k->r->region[first].bone].name);
 }
@@ -607,8 +612,8 @@ static mrt_result mark_region(marking *k, uint32_t index, error *err)
     const rig_region *region = &k->r->region[index];
     mrt_result result = select_one(k->selected, &region->select, &k->selecting, err);
     if (result >= 0)
-        result = pay(&k->selecting, &region->select,
-                     (uint64_t)k->m->vertex_count * k->r->bone_count / 4u, err);
+        result = charge_budget(&k->selecting, &region->select,
+                               (uint64_t)k->m->vertex_count * k->r->bone_count / 4u, err);
     for (uint32_t v = 0; result >= 0 && v < k->m->vertex_count; ++v) {
         float share = k->selected[v];
         if (region->is_rigid) {
@@ -626,7 +631,7 @@ static mrt_result mark_region(marking *k, uint32_t index, error *err)
     return result;
 }
 
-static void put_rigid_over_all(const marking *k)
+static void apply_rigid(const marking *k)
 {
     for (uint32_t v = 0; v < k->m->vertex_count; ++v) {
         if (k->marks->rigid_bone[v] == RIG_NONE)
@@ -647,7 +652,7 @@ static mrt_result check_bones_have_vertices(const marking *k, error *err)
         json_path path = rig_entry_path(k->r, RIG_BONES, b);
         return error_set(err, MRT_ERR_ARGUMENT,
                          "%s: no vertex belongs to the bone \"%s\"; add a region for it to "
-                         "$.regions, or take the bone out",
+                         "$.regions, or remove the bone",
                          path.text, k->r->bone[b].name);
     }
     return MRT_OK;
@@ -657,16 +662,17 @@ static mrt_result check_vertices(const rig *r, const mesh *m, error *err)
 {
     if (r->mesh_vertex_count != 0 && r->mesh_vertex_count != m->vertex_count)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "$.mesh_vertices: the rig was made for a mesh of %u vertices, this one "
-                         "has %u; use that mesh again, or draft a rig with marotte rig new",
+                         "$.mesh_vertices: the rig was made for a mesh of %u vertices, but this "
+                         "one has %u; use that mesh, or draft a rig with marotte rig new",
                          r->mesh_vertex_count, m->vertex_count);
     for (uint32_t i = 0; i < r->contact_count; ++i) {
         if (r->contact[i].vertex < m->vertex_count)
             continue;
         json_path path = rig_entry_path(r, RIG_CONTACTS, i);
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s.vertex: vertex %u of a mesh of %u vertices; choose again", path.text,
-                         r->contact[i].vertex, m->vertex_count);
+        return error_set(
+            err, MRT_ERR_ARGUMENT,
+            "%s.vertex: vertex %u does not exist, the mesh has %u vertices; choose again",
+            path.text, r->contact[i].vertex, m->vertex_count);
     }
     return MRT_OK;
 }
@@ -706,7 +712,7 @@ static mrt_result create(bind_marks *out, marks_of which, const rig *r, const me
         if (which == OF_ALL || !rig_region_is_paint(&r->region[i]))
             result = mark_region(&k, i, err);
     if (result >= 0)
-        put_rigid_over_all(&k);
+        apply_rigid(&k);
     if (result >= 0 && which == OF_ALL)
         result = check_bones_have_vertices(&k, err);
     selecting_finish(&k.selecting);

@@ -37,7 +37,8 @@ static double flat_square(const rig_proxy *row, vec3 p)
     return x * x + z * z;
 }
 
-/* How far out it is beyond the core, of the way from there to the surface. */
+/* Returns how far a point is beyond the core, as a share of the way from the core to the
+ * surface. */
 static double beyond(const rig_proxy *row, vec3 p)
 {
     double core = rig_teeth_core(row), out = sqrt(flat_square(row, p));
@@ -49,7 +50,8 @@ static double size_in(const rig_proxy *row, vec3 p)
     return root_8(to_8(beyond(row, p)) + to_8((p.y - row->centre.y) / row->radii.y));
 }
 
-/* The width that has all teeth before the centre in it, for this depth; false: none has. */
+/* Sets the width that contains all teeth in front of the centre, for this depth. Returns false if
+ * no width does. */
 static bool widen(rig_proxy *row, const vec3 *tooth, uint32_t count)
 {
     double widest = 0.0;
@@ -65,7 +67,8 @@ static bool widen(rig_proxy *row, const vec3 *tooth, uint32_t count)
     return widest > flattest_mm;
 }
 
-/* The height that has them in it, for this width and depth. The core depends on it. */
+/* Sets the height that contains the teeth, for this width and depth. Iterates, since the core
+ * depends on the height. */
 static bool heighten(rig_proxy *row, const vec3 *tooth, uint32_t count, double least)
 {
     row->radii.y = least;
@@ -84,7 +87,7 @@ static bool heighten(rig_proxy *row, const vec3 *tooth, uint32_t count, double l
     return row->radii.y > flattest_mm;
 }
 
-/* How far the teeth are from its surface on average, mm along the way from the centre. */
+/* Returns the mean distance of the teeth from the surface, mm along the ray from the centre. */
 static double slack_of(const rig_proxy *row, const vec3 *tooth, uint32_t count, double from_z)
 {
     double sum = 0.0;

@@ -56,7 +56,7 @@ static json_t *points_to_json(const rig_select *select, double a_unit, double b_
                         rig_point_to_json(select->b, b_unit));
 }
 
-/* What stands behind the key of its kind. */
+/* Returns the JSON value for the key of this kind of selector. */
 static json_t *select_value_to_json(const rig_select *select, double mm_per_unit)
 {
     switch (select->kind) {
@@ -105,7 +105,7 @@ static bool points_equal(vec3 a, vec3 b)
 
 static bool ranges_equal(const rig_select *a, const rig_select *b)
 {
-    if (a->kind == SELECT_PAINTED) /* the paint is the table's */
+    if (a->kind == SELECT_PAINTED) /* paints are stored in the table */
         return true;
     if (a->range_count != b->range_count)
         return false;
@@ -114,7 +114,7 @@ static bool ranges_equal(const rig_select *a, const rig_select *b)
            (memcmp(a->first, b->first, size) == 0 && memcmp(a->last, b->last, size) == 0);
 }
 
-/* Of paints: the name. */
+/* Compares paints by name only. */
 static bool select_equals(const rig_select *a, const rig_select *b)
 {
     if (a->kind != b->kind || a->child_count != b->child_count || !a->name != !b->name ||
@@ -137,7 +137,7 @@ typedef struct writing {
     double source_mm_per_unit, mm_per_unit;
 } writing;
 
-/* ---- values: set only where they differ from what is there ---- */
+/* ---- values: set only if they differ from the file ---- */
 
 static bool is_same(double a, double b)
 {
@@ -146,7 +146,8 @@ static bool is_same(double a, double b)
 
 json_t *rig_number_to_json(double value)
 {
-    double whole = floor(value + 0.5); /* 30 degrees come back from radians as nearly 30 */
+    double whole =
+        floor(value + 0.5); /* 30 degrees converted to radians and back are not exactly 30 */
     bool is_whole = fabs(value) < 1e9 && fabs(value - whole) <= 1e-13 * fabs(value);
     return is_whole ? json_integer((json_int_t)whole) : json_real(value);
 }
@@ -160,7 +161,8 @@ json_t *rig_point_to_json(vec3 point, double mm_per_unit)
     return out;
 }
 
-/* `usual`: what an absent key means; NaN: it must be there. The file has value / scale. */
+/* `usual`: the meaning of an absent key; NaN if the key is required. The file stores value /
+ * scale. */
 static void set_number(json_t *object, const char *key, double value, double scale, double usual)
 {
     json_t *there = json_object_get(object, key);
@@ -170,7 +172,7 @@ static void set_number(json_t *object, const char *key, double value, double sca
     json_object_set_new(object, key, rig_number_to_json(value / scale));
 }
 
-/* A NaN means: says nothing. */
+/* NaN means not set. */
 static void set_optional_number(json_t *object, const char *key, double value)
 {
     if (isnan(value))
@@ -201,7 +203,7 @@ static void set_text(json_t *object, const char *key, const char *value)
         json_object_set_new(object, key, json_string(value));
 }
 
-/* usual_max_rad: from 0 to there, where nothing is said; NaN: it must be there. */
+/* usual_max_rad: an absent key means 0 to this; NaN if the key is required. */
 static void set_range(json_t *object, const char *key, double min_rad, double max_rad,
                       double usual_max_rad)
 {
@@ -217,7 +219,7 @@ static void set_range(json_t *object, const char *key, double min_rad, double ma
     json_object_set_new(object, key, range);
 }
 
-/* The object at `key`, made when it is not there. */
+/* Returns the object at `key`. Creates it if it does not exist. */
 static json_t *get_object(json_t *object, const char *key)
 {
     json_t *there = json_object_get(object, key);
@@ -259,7 +261,7 @@ static void write_jaw(json_t *out, const rig_bone *bone, const writing *w)
         json_object_del(out, "incisor");
 }
 
-/* Axes are unit in memory and need not be so in the file. */
+/* Axes are unit vectors in memory, but need not be in the file. */
 static bool holds_axis(const json_t *there, vec3 axis)
 {
     vec3 found = {json_number_value(json_array_get(there, 0)),
@@ -295,7 +297,8 @@ static json_t *turn_to_json(const rig *r, const rig_turn *turn, const json_t *so
     return out;
 }
 
-/* The turn's entry before: by its name, or, when it has a new one, the one at its index. */
+/* Returns the turn's entry in the file, by its name. For a new name returns the entry at its index,
+ * unless another turn has that entry's name. */
 static const json_t *source_of_turn(const json_t *before, const rig_bone *bone, uint32_t index)
 {
     size_t i;
@@ -417,7 +420,7 @@ static void write_proxy(json_t *out, const writing *w, uint32_t index)
 
 /* ---- poses and sets ---- */
 
-/* Drops members that are not among the names. */
+/* Deletes members that are not among the names. */
 static void keep_only(json_t *object, const char *const *name, uint32_t count)
 {
     void *at = json_object_iter(object);
@@ -485,8 +488,8 @@ static json_t *set_to_json(const rig *r, uint32_t index)
 
 /* ---- any entry ---- */
 
-/* Entry `index` of a section as JSON for a file of `mm_per_unit`: a copy of its source, if it has
- * one, in which only what differs is changed. NULL: no memory. */
+/* Returns entry `index` of a section as JSON for a file of `mm_per_unit`. It is a copy of its
+ * source entry, if there is one, with only the differences changed. NULL without memory. */
 static json_t *entry_to_json(const rig *r, rig_section section, uint32_t index, double mm_per_unit)
 {
     static void (*const write[])(json_t *, const writing *,
@@ -508,13 +511,13 @@ static json_t *entry_to_json(const rig *r, rig_section section, uint32_t index, 
 
 /* ---- paints as JSON ---- */
 
-typedef struct painting { /* the file that is written */
+typedef struct painting { /* the file to write */
     json_t *paints;
     const rig *r;
     int failed;
 } painting;
 
-/* ---- which paints are named ---- */
+/* ---- use of paints ---- */
 
 static bool rig_names(const rig *r, const char *name)
 {
@@ -524,7 +527,7 @@ static bool rig_names(const rig *r, const char *name)
     return false;
 }
 
-/* Nothing that was read is deeper than the parser lets it be. */
+/* The parser limits the depth of everything that was read, so recursion is safe. */
 static bool json_names(const json_t *select, const char *name)
 {
     const char *painted = json_string_value(json_object_get(select, "painted"));
@@ -553,7 +556,7 @@ static bool file_names(const rig_document *d, const char *name)
 
 /* ---- the table of paints ---- */
 
-static bool says_the_same(const json_node *paint, const rig_select *select)
+static bool equals_paint(const json_node *paint, const rig_select *select)
 {
     rig_select before = {0};
     bool same =
@@ -562,14 +565,14 @@ static bool says_the_same(const json_node *paint, const rig_select *select)
     return same;
 }
 
-static void put_paint(painting *p, const rig_select *select)
+static void write_paint(painting *p, const rig_select *select)
 {
     const rig_document *d = p->r->document;
     uint32_t file = 0;
     json_node before = {0};
     if (d)
         before = rig_document_paint(d, select->name, &file);
-    if (before.value && says_the_same(&before, select)) {
+    if (before.value && equals_paint(&before, select)) {
         if (!json_object_get(p->paints, select->name))
             p->failed |= json_object_set_new(p->paints, select->name, json_deep_copy(before.value));
         return;
@@ -577,16 +580,17 @@ static void put_paint(painting *p, const rig_select *select)
     p->failed |= json_object_set_new(p->paints, select->name, rig_paint_to_json(select));
 }
 
-static void put_paints_of(painting *p, const rig_select *select)
+static void write_paints_of(painting *p, const rig_select *select)
 {
     if (select->kind == SELECT_PAINTED)
-        put_paint(p, select);
+        write_paint(p, select);
     for (uint32_t i = 0; i < select->child_count; ++i)
-        put_paints_of(p, &select->child[i]);
+        write_paints_of(p, &select->child[i]);
 }
 
-/* Paints of regions that are gone go with them; what no region spoke of is somebody's. */
-static void drop_forgotten(painting *p)
+/* Deletes paints whose regions are gone. Paints that no region ever used belong to another program
+ * and stay. */
+static void delete_unused(painting *p)
 {
     const rig_document *d = p->r->document;
     void *at = json_object_iter(p->paints);
@@ -600,7 +604,7 @@ static void drop_forgotten(painting *p)
     }
 }
 
-/* Those of included files come here too. */
+/* Copies the paints, also those of included files. */
 static json_t *start_paints(const rig *r, const json_t *root)
 {
     const rig_document *d = r->document;
@@ -614,14 +618,14 @@ static json_t *start_paints(const rig *r, const json_t *root)
     return paints;
 }
 
-/* Puts "paints" into the root: what the rig's selectors say. */
+/* Sets "paints" in the root from the rig's selectors. */
 static mrt_result write_paints(json_t *root, const rig *r, error *err)
 {
     painting p = {start_paints(r, root), r, 0};
     p.failed = p.paints == NULL;
-    drop_forgotten(&p);
+    delete_unused(&p);
     for (uint32_t i = 0; i < r->region_count; ++i)
-        put_paints_of(&p, &r->region[i].select);
+        write_paints_of(&p, &r->region[i].select);
     if (json_object_size(p.paints) > 0)
         p.failed |= json_object_set(root, "paints", p.paints);
     else if (json_is_object(json_object_get(root, "paints")))
@@ -636,7 +640,8 @@ enum { DUMP_FLAGS = JSON_ENCODE_ANY | JSON_REAL_PRECISION(15) };
 
 /* ---- paths ---- */
 
-/* The absolute directory of a file that need not exist, with its final '/'; to be freed. */
+/* Returns the absolute directory of a file that need not exist, with the final '/'. The caller
+ * frees it. */
 static char *real_directory(const char *path)
 {
     char *directory = file_directory(path);
@@ -652,7 +657,7 @@ static char *real_directory(const char *path)
     return out;
 }
 
-/* `to` as seen from the directory `from`; both absolute. */
+/* Returns `to` relative to the directory `from`; both are absolute. */
 static char *relative_path(const char *from, const char *to)
 {
     size_t common = 0;
@@ -672,7 +677,7 @@ static char *relative_path(const char *from, const char *to)
     return out;
 }
 
-/* How a rig file at `path` names its mesh; to be freed. */
+/* Returns the name of the mesh for a rig file at `path`. The caller frees it. */
 static char *mesh_name_for(const rig *r, const char *path)
 {
     char *from = real_directory(path), *to = real_directory(r->mesh_path);
@@ -714,7 +719,7 @@ static uint32_t entry_count_of(const rig *r, rig_section section)
 
 /* ---- the whole file ---- */
 
-static mrt_result put_section(json_t *root, const rig *r, rig_section section, error *err)
+static mrt_result write_section(json_t *root, const rig *r, rig_section section, error *err)
 {
     const char *key = rig_section_key[section];
     json_t *all = section == RIG_SETS ? json_object() : json_array();
@@ -751,7 +756,7 @@ static void update_solver(json_t *solver, const csrbf_settings *settings)
     }
 }
 
-static mrt_result put_solver(json_t *root, const rig *r, error *err)
+static mrt_result write_solver(json_t *root, const rig *r, error *err)
 {
     uint32_t file;
     json_node before = {0};
@@ -773,8 +778,8 @@ static const char *unit_name(double mm_per_unit)
     return mm_per_unit > 100.0 ? "m" : mm_per_unit > 5.0 ? "cm" : "mm";
 }
 
-/* What a file must say when nothing, or another file, said it before. */
-static mrt_result put_identity(json_t *root, const rig *r, const char *path, error *err)
+/* Sets the keys that a new file needs, if no file or another file set them before. */
+static mrt_result write_identity(json_t *root, const rig *r, const char *path, error *err)
 {
     char *mesh = mesh_name_for(r, path);
     if (!mesh)
@@ -787,7 +792,7 @@ static mrt_result put_identity(json_t *root, const rig *r, const char *path, err
     return failed ? no_memory(err) : MRT_OK;
 }
 
-static void put_mesh_facts(json_t *root, const rig *r)
+static void write_mesh_facts(json_t *root, const rig *r)
 {
     char hash[20];
     (void)snprintf(hash, sizeof hash, "%016llx", (unsigned long long)r->mesh_hash);
@@ -816,7 +821,7 @@ static json_t *rim_to_json(const uint32_t *rim, uint32_t count)
     return list;
 }
 
-static void put_mouth(json_t *root, const rig *r)
+static void write_mouth(json_t *root, const rig *r)
 {
     const rig_mouth *mouth = &r->mouth;
     if (!mouth->upper) {
@@ -824,7 +829,7 @@ static void put_mouth(json_t *root, const rig *r)
         return;
     }
     if (mouth->fault)
-        return; /* as the file has it */
+        return; /* keep the text of the file */
     json_t *out = get_object(root, "mouth");
     json_object_set_new(out, "upper", rim_to_json(mouth->upper, mouth->upper_count));
     json_object_set_new(out, "lower", rim_to_json(mouth->lower, mouth->lower_count));
@@ -839,7 +844,7 @@ static void put_mouth(json_t *root, const rig *r)
         json_object_del(out, "seal_from");
 }
 
-/* This file's keys, and those of the files that it includes. */
+/* Copies this file's keys, and those of the files that it includes. */
 static json_t *start_root(const rig *r)
 {
     const rig_document *d = r->document;
@@ -862,17 +867,17 @@ static mrt_result fill_root(json_t *root, const rig *r, const char *path, error 
     bool stays_alone = d && d->file_count == 1 && is_same_directory(path, r->path);
     mrt_result result = MRT_OK;
     if (!stays_alone)
-        result = put_identity(root, r, path, err);
-    put_mesh_facts(root, r);
-    put_mouth(root, r);
+        result = write_identity(root, r, path, err);
+    write_mesh_facts(root, r);
+    write_mouth(root, r);
     for (int section = 0; result >= 0 && section < RIG_SECTIONS; ++section)
-        result = put_section(root, r, (rig_section)section, err);
+        result = write_section(root, r, (rig_section)section, err);
     if (result >= 0)
         result = write_paints(root, r, err);
-    return result < 0 ? result : put_solver(root, r, err);
+    return result < 0 ? result : write_solver(root, r, err);
 }
 
-/* ---- the text: one entry a line ---- */
+/* ---- the text: one line per entry ---- */
 
 static bool is_long(const json_t *value)
 {

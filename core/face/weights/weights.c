@@ -9,16 +9,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The fill ripples a little on the far side of the face: what is below this is taken off every
- * filled weight, so that a bone leaves alone what it has nothing to do with. */
+/* The fill ripples a little on the far side of the face. This is subtracted from every filled
+ * weight, so that a bone does not move unrelated vertices. */
 #define RIPPLE 0.004f
 
 typedef struct weights {
-    arrays arrays; /* those below */
+    arrays arrays; /* owner of the arrays below */
     const bind_marks *marks, *painted;
     const rig *rig;
     const mesh *mesh;
-    uint32_t *component; /* vertex_count: of the surface; component_count for isolated vertices */
+    uint32_t *component; /* vertex_count: piece; component_count for isolated vertices */
     uint32_t component_count;
     uint8_t *is_given, *is_free, *is_settled; /* vertex_count each */
     uint8_t *has_mark;                        /* component_count + 1 */
@@ -31,7 +31,7 @@ static mrt_result no_memory(const mesh *m, error *err)
                      m->vertex_count);
 }
 
-/* ---- what is given ---- */
+/* ---- given values ---- */
 
 static float unit_range(float x)
 {
@@ -46,7 +46,7 @@ static uint32_t root_bone(const rig *r)
     return 0;
 }
 
-/* The nearest bone above `bone` about which the marks of this vertex are silent; else RIG_NONE. */
+/* Returns the nearest bone above `bone` that this vertex has no mark for, or RIG_NONE. */
 static uint32_t unmarked_parent(const rig *r, const bool *is_marked, uint32_t bone)
 {
     for (uint32_t step = 0; step < r->bone_count; step++) {
@@ -59,8 +59,8 @@ static uint32_t unmarked_parent(const rig *r, const bool *is_marked, uint32_t bo
     return RIG_NONE;
 }
 
-/* Weights that are marked at a vertex, made to sum to 1: what is missing goes to the parent of the
- * bone that is marked most. False: nothing is said, or only that no bone holds it. */
+/* Completes the weights marked at a vertex to a sum of 1. The rest goes to the parent of the bone
+ * with the greatest mark. Returns false if nothing is marked, or only that no bone moves it. */
 static bool settle_vertex(const weights *w, const bind_marks *marks, float *share, uint32_t v)
 {
     const rig *r = w->rig;
@@ -95,7 +95,7 @@ static bool settle_vertex(const weights *w, const bind_marks *marks, float *shar
     return true;
 }
 
-static void take_weights(weights *w, float *weight)
+static void read_weights(weights *w, float *weight)
 {
     uint32_t count = w->mesh->vertex_count;
     for (uint32_t v = 0; v < count; v++) {
@@ -106,7 +106,7 @@ static void take_weights(weights *w, float *weight)
     }
 }
 
-/* What stands at the first vertex of each point, to its others. */
+/* Copies the value of the first vertex of each point to its other vertices. */
 static void spread(const weights *w, float *value, uint32_t column_count)
 {
     size_t count = w->mesh->vertex_count;
@@ -115,8 +115,8 @@ static void spread(const weights *w, float *value, uint32_t column_count)
             value[c * count + v] = value[c * count + w->mesh->point[v]];
 }
 
-/* A contact about which nothing is said can be pulled: else most rigs could not move. */
-static void take_mobility(weights *w, float *mobility)
+/* Makes contacts without a mobility mark movable. Otherwise most rigs could not move. */
+static void read_mobility(weights *w, float *mobility)
 {
     uint32_t count = w->mesh->vertex_count;
     for (uint32_t v = 0; v < count; v++) {
@@ -138,9 +138,10 @@ static void take_mobility(weights *w, float *mobility)
         w->is_given[v] = w->is_given[mesh_point(w->mesh, v)];
 }
 
-/* ---- what is filled ---- */
+/* ---- filled values ---- */
 
-/* Free: not given, on a piece of surface where something is. */
+/* Finds the free vertices: not given, on a piece of surface with given ones. Returns false if
+ * nothing is given. */
 static bool find_free(weights *w)
 {
     bool is_any_given = false;
@@ -183,8 +184,8 @@ static void share_out_filled(const weights *w, float *weight)
     }
 }
 
-/* The bound of the fill is imposed afterwards: exact bounds (Jacobson and others 2011) cost an
- * optimisation for each bone and change little. */
+/* Clamps the fill afterwards. Exact bounds (Jacobson and others 2011) cost an optimisation for each
+ * bone and change little. */
 static void normalise_filled(const weights *w, float *weight)
 {
     for (uint32_t b = 0; b < w->rig->bone_count; b++)
@@ -192,19 +193,18 @@ static void normalise_filled(const weights *w, float *weight)
     share_out_filled(w, weight);
 }
 
-/* ---- whom the pieces of surface follow that no region speaks of: lashes, brows, the film of
- * tears ---- */
+/* ---- pieces without a mark, which follow others: lashes, brows, the tear film ---- */
 
-/* How far from the nearest to the furthest vertex of a piece its roots reach. */
+/* Reach of the roots of a piece, as a share of the way from its nearest to its furthest vertex. */
 #define ROOTS 0.25
 
 typedef struct following {
-    arrays arrays; /* those below */
+    arrays arrays; /* owner of the arrays below */
     const weights *w;
     uint8_t *is_leader;   /* vertex_count: scratch */
-    int32_t *vote;        /* component_count + 1: > 0: it follows what is rigid */
+    int32_t *vote;        /* component_count + 1: > 0 if it follows rigid vertices */
     double *least, *most; /* component_count + 1: squared distances from the leaders */
-    uint32_t *on_rigid;   /* vertex_count; the nearest that is not rigid is in out_leader */
+    uint32_t *on_rigid;   /* vertex_count: nearest rigid leader; out_leader has the others */
 } following;
 
 static double distance_squared(const mesh *m, size_t v, size_t other)
@@ -277,12 +277,12 @@ static void find_roots(following *f, uint8_t *is_root, const uint32_t *leader)
     }
 }
 
-/* A piece follows what is rigid or what is not, whichever more of its vertices are nearer to: a
- * lash must not hang on the eyeball with one end and on the lid with the other. out_leader
- * (vertex_count): the nearest settled vertex of that kind; UINT32_MAX for settled ones, and where
- * nothing is settled. is_given: 1 for the vertices close to their leaders, the roots; the rest of
- * the piece hangs on these: the tip of a lash goes with the lid, not with the brow that it points
- * at. */
+/* Finds the vertices that pieces without a mark follow. A piece follows either rigid or
+ * other vertices, whichever are nearer to more of its vertices. A lash must not follow the
+ * eyeball at one end and the lid at the other. out_leader (vertex_count): the nearest settled
+ * vertex of that kind; UINT32_MAX for settled vertices, and if nothing is settled. is_given: 1 for
+ * the roots, the vertices close to their leaders. The rest of the piece follows the roots, so the
+ * tip of a lash follows the lid, not the brow that it points at. */
 static mrt_result find_leaders(weights *w, uint32_t *out_leader, error *err)
 {
     following f = {.w = w};
@@ -306,11 +306,11 @@ static mrt_result find_leaders(weights *w, uint32_t *out_leader, error *err)
     return result;
 }
 
-/* ---- filled ---- */
+/* ---- filling ---- */
 
-/* What is not settled takes the values of the vertices that it follows, at its roots, and is filled
- * from there. value: column_count by vertex_count. Afterwards is_free says what was filled. */
-static mrt_result follow(weights *w, float *value, uint32_t column_count, error *err)
+/* Gives pieces without a mark the values of their leaders at the roots, and fills the rest of each
+ * piece from there. value: column_count by vertex_count. Sets is_free to the filled vertices. */
+static mrt_result fill_followers(weights *w, float *value, uint32_t column_count, error *err)
 {
     size_t count = w->mesh->vertex_count;
     uint32_t *leader = malloc((count + 1) * sizeof *leader);
@@ -333,7 +333,7 @@ static mrt_result follow(weights *w, float *value, uint32_t column_count, error 
 static mrt_result fill_weights(weights *w, float *weight, error *err)
 {
     uint32_t count = w->mesh->vertex_count;
-    take_weights(w, weight);
+    read_weights(w, weight);
     if (!find_free(w)) {
         float *root = weight + (size_t)root_bone(w->rig) * count;
         for (uint32_t v = 0; v < count; v++)
@@ -345,7 +345,7 @@ static mrt_result fill_weights(weights *w, float *weight, error *err)
     if (result != MRT_OK)
         return result;
     normalise_filled(w, weight);
-    result = follow(w, weight, w->rig->bone_count, err);
+    result = fill_followers(w, weight, w->rig->bone_count, err);
     if (result == MRT_OK)
         normalise_filled(w, weight);
     return result;
@@ -354,7 +354,7 @@ static mrt_result fill_weights(weights *w, float *weight, error *err)
 static mrt_result fill_mobility(weights *w, float *mobility, error *err)
 {
     uint32_t count = w->mesh->vertex_count;
-    take_mobility(w, mobility);
+    read_mobility(w, mobility);
     bool is_any_mobile = false;
     for (uint32_t v = 0; v < count; v++)
         is_any_mobile = is_any_mobile || (w->is_given[v] && mobility[v] > 0);
@@ -368,13 +368,13 @@ static mrt_result fill_mobility(weights *w, float *mobility, error *err)
     if (result != MRT_OK)
         return result;
     bound_filled(w, mobility);
-    result = follow(w, mobility, 1, err);
+    result = fill_followers(w, mobility, 1, err);
     if (result == MRT_OK)
         bound_filled(w, mobility);
     return result;
 }
 
-/* ---- what is painted ---- */
+/* ---- painted values ---- */
 
 static bool differs(float a, float b)
 {
@@ -397,7 +397,7 @@ static bool paints_mobility(const weights *w, uint32_t v)
            differs(w->painted->mobility[v], w->marks->mobility[v]);
 }
 
-/* To the vertices that are given or free. */
+/* Adds changes to vertices that are given or free. */
 static void add_changes(const weights *w, float *value, const float *change, uint32_t column_count)
 {
     size_t count = w->mesh->vertex_count;
@@ -406,8 +406,9 @@ static void add_changes(const weights *w, float *value, const float *change, uin
             value[i] = unit_range(value[i] + change[i]);
 }
 
-/* change: zeroed. It gets what paint makes of weight; false: nothing is painted. */
-static bool take_painted_weights(weights *w, float *change, const float *weight)
+/* Sets `change`, which must be zeroed, to the differences that paint makes to `weight`. Returns
+ * false if nothing is painted. */
+static bool read_painted_weights(weights *w, float *change, const float *weight)
 {
     uint32_t count = w->mesh->vertex_count;
     bool is_any = false;
@@ -423,10 +424,10 @@ static bool take_painted_weights(weights *w, float *change, const float *weight)
     return is_any;
 }
 
-static bool take_painted_mobility(weights *w, float *change, const float *mobility)
+static bool read_painted_mobility(weights *w, float *change, const float *mobility)
 {
     bool is_any = false;
-    take_mobility(w, change);
+    read_mobility(w, change);
     for (uint32_t v = 0; v < w->mesh->vertex_count; v++) {
         float mark = w->painted->mobility[v];
         bool is_rigid = w->painted->rigid_bone[v] < w->rig->bone_count;
@@ -450,16 +451,16 @@ static mrt_result fade_changes(weights *w, float *value, float *change, uint32_t
     return result;
 }
 
-/* Pieces that follow, follow what is painted now. */
+/* Pieces that follow others use the painted values. */
 static mrt_result paint_weights(weights *w, float *weight, float *change, error *err)
 {
-    if (!take_painted_weights(w, change, weight))
+    if (!read_painted_weights(w, change, weight))
         return MRT_OK;
     mrt_result result = fade_changes(w, weight, change, w->rig->bone_count, err);
     if (result != MRT_OK)
         return result;
     share_out_filled(w, weight);
-    result = follow(w, weight, w->rig->bone_count, err);
+    result = fill_followers(w, weight, w->rig->bone_count, err);
     if (result == MRT_OK)
         normalise_filled(w, weight);
     return result;
@@ -467,11 +468,11 @@ static mrt_result paint_weights(weights *w, float *weight, float *change, error 
 
 static mrt_result paint_mobility(weights *w, float *mobility, float *change, error *err)
 {
-    if (!take_painted_mobility(w, change, mobility))
+    if (!read_painted_mobility(w, change, mobility))
         return MRT_OK;
     mrt_result result = fade_changes(w, mobility, change, 1, err);
     if (result == MRT_OK)
-        result = follow(w, mobility, 1, err);
+        result = fill_followers(w, mobility, 1, err);
     if (result == MRT_OK)
         bound_filled(w, mobility);
     return result;
@@ -490,14 +491,14 @@ static mrt_result paint(weights *w, binding *out, error *err)
     return result;
 }
 
-/* The fill: fills the NaNs of bare marks over the surface into out->weight and out->mobility, which
- * are allocated; smooth also around single marks (weights_laplace.h). What is missing to a sum of 1
- * at a marked vertex goes to the parent of the bone marked most. Pieces of the surface without any
- * mark follow the nearest vertices in space. A contact of whose mobility nothing is said has 1;
- * without any mobility above 0, all that is not marked has 1. Then the vertices of which `painted`
- * (NULL: nothing is) says something else get that, and what it changes fades out from there within
- * a few edges (laplace_fade): a stroke that passes over softly into what was filled changes nothing
- * beyond it. */
+/* Fills the NaNs of bare marks over the surface into out->weight and out->mobility, which are
+ * allocated. The fill is smooth also around single marks (weights_laplace.h). At a marked vertex
+ * the rest to a sum of 1 goes to the parent of the bone with the greatest mark. Pieces of the
+ * surface without any mark follow the nearest vertices in space. A contact without a
+ * mobility mark has mobility 1. Without any mobility above 0, everything that is not marked has 1.
+ * Then vertices that `painted` (NULL: none) marks differently get these values. The change fades
+ * out within a few edges (laplace_fade). So a soft stroke over filled skin changes nothing beyond
+ * it. */
 static mrt_result fill(binding *out, const bind_marks *bare, const bind_marks *painted,
                        const rig *r, const mesh *m, const topology *t, error *err)
 {
@@ -558,7 +559,7 @@ static bool is_corner(const mesh *m, const uint32_t *corner, uint32_t point)
            mesh_point(m, corner[2]) == point;
 }
 
-/* Of the triangles at the vertex's point, weighted by area. */
+/* Returns the normal of the triangles at the vertex's point, weighted by area. */
 static vec3 normal_at(const mesh *m, uint32_t vertex)
 {
     vec3 sum = {0, 0, 0};
@@ -579,8 +580,8 @@ static mrt_result set_contact_positions(binding *out, const rig *r, const mesh *
         uint32_t vertex = r->contact[c].vertex;
         if (vertex >= m->vertex_count)
             return error_set(err, MRT_ERR_ARGUMENT,
-                             "%s: $.contacts[%u].vertex: %u, but the mesh has %u vertices: choose "
-                             "another vertex for \"%s\"",
+                             "%s: $.contacts[%u].vertex: %u does not exist, the mesh has %u "
+                             "vertices; choose another vertex for \"%s\"",
                              r->path != NULL ? r->path : "rig", c, vertex, m->vertex_count,
                              r->contact[c].name);
         out->contact_position[c] = mesh_position(m, vertex);
@@ -589,7 +590,7 @@ static mrt_result set_contact_positions(binding *out, const rig *r, const mesh *
     return MRT_OK;
 }
 
-/* A contact that names its bone rides on it alone. */
+/* Gives a contact that names its bone weight 1 on it. */
 static void hold_contacts(bind_marks *marks, const rig *r, const mesh *m)
 {
     for (uint32_t c = 0; c < r->contact_count; c++) {

@@ -8,19 +8,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Slivers must not rule the operator: cotangents and areas beyond these are cut. Negative ones are
- * right: without them a quad would weigh as it happens to be split, and the two halves of a face,
- * split alike instead of mirrored, would differ by 0.08. The system is definite all the same. */
+/* Bounds of cotangents and areas, so that slivers do not dominate the operator. Negative cotangents
+ * are correct: without them the weights of a quad would depend on its diagonal. The two halves of a
+ * face, if split alike instead of mirrored, would then differ by 0.08. The system is still positive
+ * definite. */
 #define COTANGENT_LEAST (-1.0)
 #define COTANGENT_MOST  20.0
 #define STIFFNESS_MOST  100.0
 #define STRETCH_LEAST   1e-3
-/* The tension takes over at distances of an eighth of the surface's width. */
+/* The tension dominates at distances of an eighth of the surface's width. */
 #define TENSION_WIDTHS 8.0
-/* Changes fade to a sixth in each ring of edges. */
+/* Changes shrink to a sixth in each ring of edges. */
 #define FADE 2.0
 
-/* The index of `to` in the row of `from`; SIZE_MAX when they are no neighbours. */
+/* Returns the index of `to` in the row of `from`, or SIZE_MAX if they are not neighbours. */
 static size_t edge_of(const topology *t, uint32_t from, uint32_t to)
 {
     size_t low = t->neighbour_start[from], high = t->neighbour_start[from + 1];
@@ -43,7 +44,8 @@ static void add_to_edge(laplace *l, uint32_t a, uint32_t b, double cotangent)
     l->edge_weight[back] += cotangent;
 }
 
-/* Half the cotangents of its corners to the opposite edges, a third of its area to its corners. */
+/* Adds half the cotangents of its corners to the opposite edges, and a third of its area to its
+ * corners. */
 static void add_triangle(laplace *l, const mesh *m, const uint32_t corner[3])
 {
     for (int i = 0; i < 3; i++) {
@@ -114,7 +116,7 @@ void laplace_destroy(laplace *l)
     *l = (laplace){0};
 }
 
-/* ---- one fill ---- */
+/* ---- a single fill ---- */
 
 typedef enum fill_kind { FILL_SMOOTH = 0, FILL_FADES } fill_kind;
 
@@ -122,10 +124,10 @@ typedef struct fill {
     const laplace *laplace;
     fill_kind kind;
     const uint8_t *is_free, *is_given;
-    uint32_t *free_row; /* vertex_count: the row of a free vertex */
+    uint32_t *free_row; /* vertex_count: row of a free vertex */
     uint32_t free_count;
     cholmod_common common;
-    cholmod_sparse *root; /* free_count by (vertices, then edges): root root' is the system */
+    cholmod_sparse *root; /* free_count by (vertices, then edges); the system is root root' */
     cholmod_factor *factor;
     cholmod_dense *right, *solution;
 } fill;
@@ -135,7 +137,7 @@ static bool is_present(const fill *f, uint32_t v)
     return f->is_free[v] || f->is_given[v];
 }
 
-/* Of row v of the Laplacian, the diagonal: only edges between present vertices count. */
+/* Returns the diagonal of row v of the Laplacian. Only edges between present vertices count. */
 static double diagonal_of(const fill *f, uint32_t v)
 {
     const topology *t = f->laplace->topology;
@@ -146,15 +148,16 @@ static double diagonal_of(const fill *f, uint32_t v)
     return sum;
 }
 
-static void put(cholmod_sparse *s, int *at, uint32_t row, double value)
+static void append_entry(cholmod_sparse *s, int *at, uint32_t row, double value)
 {
     ((int *)s->i)[*at] = (int)row;
     ((double *)s->x)[*at] = value;
     *at += 1;
 }
 
-/* Column of vertex v: its row of the Laplacian, over the free vertices, in ascending order. */
-static void put_bend(const fill *f, int *at, uint32_t v)
+/* Writes the column of vertex v: its row of the Laplacian, over the free vertices, in ascending
+ * order. */
+static void append_bend(const fill *f, int *at, uint32_t v)
 {
     const topology *t = f->laplace->topology;
     double scale = sqrt(f->laplace->stiffness[v]);
@@ -162,21 +165,21 @@ static void put_bend(const fill *f, int *at, uint32_t v)
     for (size_t e = t->neighbour_start[v]; e < t->neighbour_start[v + 1]; e++) {
         uint32_t other = t->neighbour[e];
         if (!is_placed && other > v) {
-            put(f->root, at, f->free_row[v], scale * diagonal_of(f, v));
+            append_entry(f->root, at, f->free_row[v], scale * diagonal_of(f, v));
             is_placed = true;
         }
         if (f->is_free[other])
-            put(f->root, at, f->free_row[other], -scale * f->laplace->edge_weight[e]);
+            append_entry(f->root, at, f->free_row[other], -scale * f->laplace->edge_weight[e]);
     }
     if (!is_placed)
-        put(f->root, at, f->free_row[v], scale * diagonal_of(f, v));
+        append_entry(f->root, at, f->free_row[v], scale * diagonal_of(f, v));
 }
 
-/* Column of vertex v: its own value. */
-static void put_fade(const fill *f, int *at, uint32_t v)
+/* Writes the column of vertex v: its own value. */
+static void append_fade(const fill *f, int *at, uint32_t v)
 {
     if (f->is_free[v])
-        put(f->root, at, f->free_row[v], FADE / sqrt(f->laplace->stiffness[v]));
+        append_entry(f->root, at, f->free_row[v], FADE / sqrt(f->laplace->stiffness[v]));
 }
 
 static double stretch_of(const fill *f, double edge_weight)
@@ -185,13 +188,13 @@ static double stretch_of(const fill *f, double edge_weight)
     return sqrt(tension * fmax(edge_weight, STRETCH_LEAST));
 }
 
-static void put_stretch(const fill *f, int *at, uint32_t v, uint32_t other, double edge_weight)
+static void append_stretch(const fill *f, int *at, uint32_t v, uint32_t other, double edge_weight)
 {
     double scale = stretch_of(f, edge_weight);
     if (f->is_free[v])
-        put(f->root, at, f->free_row[v], scale);
+        append_entry(f->root, at, f->free_row[v], scale);
     if (f->is_free[other])
-        put(f->root, at, f->free_row[other], -scale);
+        append_entry(f->root, at, f->free_row[other], -scale);
 }
 
 static void fill_root(fill *f)
@@ -202,9 +205,9 @@ static void fill_root(fill *f)
     for (uint32_t v = 0; v < t->vertex_count; v++) {
         start[column++] = at;
         if (is_present(f, v) && f->kind == FILL_FADES)
-            put_fade(f, &at, v);
+            append_fade(f, &at, v);
         else if (is_present(f, v))
-            put_bend(f, &at, v);
+            append_bend(f, &at, v);
     }
     for (uint32_t v = 0; v < t->vertex_count; v++)
         for (size_t e = t->neighbour_start[v]; e < t->neighbour_start[v + 1]; e++) {
@@ -213,12 +216,13 @@ static void fill_root(fill *f)
                 continue;
             start[column++] = at;
             if (is_present(f, v) && is_present(f, other))
-                put_stretch(f, &at, v, other, f->laplace->edge_weight[e]);
+                append_stretch(f, &at, v, other, f->laplace->edge_weight[e]);
         }
     start[column] = at;
 }
 
-/* right -= root * (what the given values do to the columns of root), one column of values. */
+/* Subtracts root * (effect of the given values on the columns of root) from right, for one column
+ * of values. */
 static void add_given(const fill *f, double *right, const float *value)
 {
     const topology *t = f->laplace->topology;
@@ -227,7 +231,7 @@ static void add_given(const fill *f, double *right, const float *value)
     int column = 0;
     for (uint32_t v = 0; v < t->vertex_count; v++, column++) {
         if (start[column] == start[column + 1] || f->kind == FILL_FADES)
-            continue; /* what fades does so to 0 */
+            continue; /* changes fade to 0 */
         double bend = f->is_given[v] ? diagonal_of(f, v) * (double)value[v] : 0;
         for (size_t e = t->neighbour_start[v]; e < t->neighbour_start[v + 1]; e++)
             if (f->is_given[t->neighbour[e]])
@@ -261,7 +265,7 @@ static bool number_free(fill *f, uint32_t vertex_count)
     return true;
 }
 
-/* Simplicial, in AMD's order: without BLAS, whose sums differ from machine to machine. */
+/* Uses the simplicial method in AMD's order, without BLAS, whose sums differ between machines. */
 static void start_cholmod(cholmod_common *common)
 {
     cholmod_start(common);
@@ -280,7 +284,7 @@ static mrt_result failed(const fill *f, error *err)
         return error_set(err, MRT_ERR_MEMORY, "no memory to fill weights over %u vertices",
                          f->free_count);
     return error_set(err, MRT_ERR_ARGUMENT,
-                     "the weights cannot be filled over the surface (%u free vertices): look for "
+                     "cannot fill the weights over the surface (%u free vertices); check for "
                      "degenerate triangles, or mark more vertices",
                      f->free_count);
 }
@@ -345,8 +349,8 @@ static mrt_result solve(const laplace *l, fill_kind kind, float *value, uint32_t
     start_cholmod(&f.common);
     if (f.free_count > LAPLACE_FREE_MOST)
         result = error_set(err, MRT_ERR_UNSUPPORTED,
-                           "%u vertices without a mark are more than the %u that weights can be "
-                           "filled over: mark what is rigid, or use a coarser mesh",
+                           "%u vertices have no mark, but weights can be filled over at most %u; "
+                           "mark rigid parts, or use a coarser mesh",
                            f.free_count, LAPLACE_FREE_MOST);
     if (result == MRT_OK)
         result = factor_system(&f, err);

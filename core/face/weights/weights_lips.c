@@ -8,11 +8,12 @@
 #include <string.h>
 
 static const double ends_apart =
-    0.06; /* of the width: how far the ends of the rims may lie apart */
-static const double straight_least = 0.3; /* the width over the length of a rim: less is a ring */
+    0.06; /* of the width: greatest distance between the ends of the rims */
+static const double straight_least =
+    0.3; /* least width over the length of a rim; below it is a ring */
 static const double crossed_most =
-    0.04;                        /* of the width: the upper rim may lie so far below the lower */
-static const double reach = 1.5; /* of the width: how far along the surface lips are felt */
+    0.04;                        /* of the width: greatest depth of the upper rim below the lower */
+static const double reach = 1.5; /* of the width: reach of the lips along the surface */
 static const double end_density = 0.6; /* stations are 1 - this as far apart at the corners */
 static const double side_begins = 0.2, side_ends = 0.8;
 
@@ -36,18 +37,18 @@ static vec3 at_vertex(const mesh *m, const rim *of, uint32_t i)
     return mesh_position(m, of->vertex[i]);
 }
 
-/* ---- are these two rims? ---- */
+/* ---- checks of the rims ---- */
 
 static bool check_vertices(bind_lips *out, const rim *of, const mesh *m)
 {
     for (uint32_t i = 0; i < of->count; ++i)
         if (of->vertex[i] >= m->vertex_count)
-            return refuse(out, "%s[%u]: vertex %u, but the mesh has %u vertices", of->key, i,
-                          of->vertex[i], m->vertex_count);
+            return refuse(out, "%s[%u]: vertex %u does not exist, the mesh has %u vertices",
+                          of->key, i, of->vertex[i], m->vertex_count);
     return true;
 }
 
-/* Each point once, but that both rims may share their ends. */
+/* Checks that each point occurs once. The rims may share their ends. */
 static bool check_doubled(bind_lips *out, const rim *a, const rim *b, const mesh *m)
 {
     for (uint32_t i = 0; i < a->count; ++i)
@@ -56,8 +57,8 @@ static bool check_doubled(bind_lips *out, const rim *a, const rim *b, const mesh
                 a != b && ((i == 0 && j == 0) || (i == a->count - 1 && j == b->count - 1));
             if (!is_end && mesh_point(m, a->vertex[i]) == mesh_point(m, b->vertex[j]))
                 return refuse(out,
-                              "%s[%u] and %s[%u] are one point: a rim goes once "
-                              "from corner to corner",
+                              "%s[%u] and %s[%u] are the same point; a rim must lead once from "
+                              "corner to corner",
                               a->key, i, b->key, j);
         }
     return true;
@@ -72,8 +73,8 @@ static mrt_result check_piece(bind_lips *out, const rim *of, const rim *upper, c
     for (uint32_t i = 0; result >= 0 && *out_is_good && i < of->count; ++i)
         if (piece[of->vertex[i]] != piece[upper->vertex[0]])
             *out_is_good = refuse(out,
-                                  "%s[%u]: vertex %u is on another piece of surface than "
-                                  "upper[0]: both rims belong to one",
+                                  "%s[%u]: vertex %u is on another piece of surface than upper[0]; "
+                                  "both rims must be on one piece",
                                   of->key, i, of->vertex[i]);
     free(piece);
     return result;
@@ -99,15 +100,15 @@ static bool find_axes(bind_lips *out, const rim *upper, const rim *lower, const 
     double longer = fmax(length_of(m, upper), length_of(m, lower));
     if (!(out->width_mm > straight_least * longer))
         return refuse(out,
-                      "the rims are a ring, %.1f mm long with their ends %.1f mm apart: "
-                      "a rim goes from one corner of the mouth to the other",
+                      "the rims form a ring, %.1f mm long with ends %.1f mm apart; a rim must lead "
+                      "from one corner of the mouth to the other",
                       longer, out->width_mm);
     out->across = vec3_scale(way, 1.0 / out->width_mm);
     vec3 up = {0.0, 1.0, 0.0};
     up = vec3_sub(up, vec3_scale(out->across, out->across.y));
     if (!(out->across.x > 0.5))
-        return refuse(out, "the rims do not go from the subject's right corner (x < 0) to the "
-                           "left one: turn their lists around");
+        return refuse(out, "the rims do not lead from the subject's right corner (x < 0) to the "
+                           "left one; reverse their lists");
     out->up = vec3_normalised(up, (vec3){0, 1, 0});
     for (int end = 0; end < 2; ++end) {
         vec3 a = at_vertex(m, upper, end ? upper->count - 1 : 0);
@@ -115,8 +116,8 @@ static bool find_axes(bind_lips *out, const rim *upper, const rim *lower, const 
         double apart = vec3_length(vec3_sub(a, b));
         if (apart > ends_apart * out->width_mm)
             return refuse(out,
-                          "the %s ends of the rims are %.1f mm apart: both end at the "
-                          "corner of the mouth",
+                          "the %s ends of the rims are %.1f mm apart; both must end at the corner "
+                          "of the mouth",
                           end ? "left" : "right", apart);
     }
     return true;
@@ -129,7 +130,8 @@ static double across_of(const bind_lips *lips, vec3 from, vec3 at)
     return vec3_dot(lips->across, vec3_sub(at, from));
 }
 
-/* The first place on the rim that is `part` (0..1) of its own way across from its first vertex. */
+/* Returns the first place on the rim at `part` (0..1) of its extent across, from its first
+ * vertex. */
 static bind_station station_at(const bind_lips *lips, const mesh *m, const rim *of, double part)
 {
     vec3 from = at_vertex(m, of, 0);
@@ -154,7 +156,8 @@ vec3 bind_station_position(const bind_station *station, const mesh *m)
 
 static bool pair_rims(bind_lips *out, const rim *upper, const rim *lower, const mesh *m)
 {
-    /* Twice as many as vertices: on coarse rims those between vertices bring their edges closer. */
+    /* Twice as many stations as vertices: on coarse rims, stations between vertices bring the edges
+     * closer. */
     uint32_t count = 2 * (upper->count > lower->count ? upper->count : lower->count);
     count = count < LIPS_STATIONS_MAX ? count : LIPS_STATIONS_MAX;
     for (uint32_t i = 0; i < count; ++i) {
@@ -167,15 +170,15 @@ static bool pair_rims(bind_lips *out, const rim *upper, const rim *lower, const 
         double open = vec3_dot(gap, out->up);
         if (open < -crossed_most * out->width_mm)
             return refuse(out,
-                          "the upper rim is %.1f mm below the lower one, %.0f %% of the "
-                          "way along the slit: the rims cross, or are exchanged",
+                          "the upper rim is %.1f mm below the lower one, %.0f %% of the way along "
+                          "the slit; the rims cross, or are exchanged",
                           -open, 100.0 * part);
     }
     out->station_count = count;
     return true;
 }
 
-/* ---- which vertices go with which rim ---- */
+/* ---- vertices that move with a rim ---- */
 
 static bool find_distances(double *out, const rim *of, double reach_mm, const mesh *m,
                            const topology *t)
@@ -188,7 +191,7 @@ static bool find_distances(double *out, const rim *of, double reach_mm, const me
     return is_done;
 }
 
-/* 1 on a rim, 0 on the other, smooth between. */
+/* Returns 1 on the first rim, 0 on the other one, smooth between. */
 static float share_of(double from_own_mm, double from_other_mm)
 {
     if (!isfinite(from_own_mm))
@@ -218,7 +221,7 @@ static mrt_result find_sides(bind_lips *out, const rim *upper, const rim *lower,
     return is_done ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for the mouth");
 }
 
-/* ---- made ---- */
+/* ---- creation ---- */
 
 static bool allocate(bind_lips *out, uint32_t vertex_count)
 {
@@ -245,7 +248,7 @@ static mrt_result find_stations(bind_lips *out, const rim *upper, const rim *low
     return result;
 }
 
-/* An empty rim where the rig declares none. */
+/* Returns an empty rim if the rig declares none. */
 static rim rim_of(const char *key, const uint32_t *vertex, uint32_t count)
 {
     return (rim){key, vertex, vertex ? count : 0};

@@ -7,7 +7,7 @@ enum { CELLS_MOST = 64 }; /* along one axis */
 
 struct nearest {
     const float *position;
-    uint32_t *member;     /* member_count, by cell */
+    uint32_t *member;     /* member_count, sorted by cell */
     uint32_t *cell_start; /* cells + 1 */
     double low[3], cell_size;
     int32_t cells[3];
@@ -140,7 +140,7 @@ static int32_t limited(int32_t cell, int32_t count)
     return cell < 0 ? 0 : cell >= count ? count - 1 : cell;
 }
 
-/* The cells of one row, of the shell `shell` steps from the centre. */
+/* Searches the cells of one row of the shell that is `shell` steps from the centre. */
 static void search_row(const nearest *n, search *s, const int32_t centre[3], int32_t shell,
                        int32_t y, int32_t z)
 {
@@ -173,14 +173,14 @@ uint32_t nearest_find(const nearest *n, const float at[3])
     if (n->member_count == 0)
         return s.vertex;
     int32_t centre[3];
-    float inside[3]; /* the nearest point of the box: shells are counted from there */
+    float inside[3]; /* nearest point of the box, the origin of the shells */
     for (int a = 0; a < 3; a++) {
         double most = n->low[a] + n->cells[a] * n->cell_size;
         inside[a] = (float)fmin(fmax((double)at[a], n->low[a]), most);
         centre[a] = cell_along(n, inside, a);
     }
     for (int32_t shell = 0; shell <= CELLS_MOST + 1; shell++) {
-        /* Whatever lies in this shell is at least so far from `inside`, and from `at` as well. */
+        /* Everything in this shell is at least this far from `inside`, and so from `at`. */
         double least = (shell - 1) * n->cell_size;
         if (shell > 0 && s.distance_squared < least * least)
             break;
