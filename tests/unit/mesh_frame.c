@@ -16,7 +16,7 @@
 #include <unistd.h>
 
 static const mesh_frame gltf = {.mm_per_unit = 1000.0, .up = MESH_AXIS_Y, .forward = MESH_AXIS_Z};
-static const mesh_frame mm = {.mm_per_unit = 1.0}, stl = {.up = MESH_AXIS_Z};
+static const mesh_frame in_mm = {.mm_per_unit = 1.0}, stl = {.up = MESH_AXIS_Z};
 
 /* The Moai, 300 mm high, as a mesh in mm, to be turned and scaled. */
 static mesh read_moai(void)
@@ -168,7 +168,7 @@ static void one_axis_brings_the_other(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         mesh m = read_moai();
         error err;
-        assert_int_equal(mesh_frame_apply(&m, &cases[i].said, &mm, &err), MRT_OK);
+        assert_int_equal(mesh_frame_apply(&m, &cases[i].said, &in_mm, &err), MRT_OK);
         assert_int_equal(m.up, cases[i].up);
         assert_int_equal(m.forward, cases[i].forward);
         mesh_destroy(&m);
@@ -203,7 +203,7 @@ static void a_skeleton_says_where_a_face_looks(void **state)
     error err;
     for (uint32_t i = 0; i < JOINTS; ++i)
         add_joint(&m, joints[i].name, joints[i].at);
-    assert_int_equal(mesh_frame_apply(&m, &(mesh_frame){0}, &mm, &err), MRT_OK);
+    assert_int_equal(mesh_frame_apply(&m, &(mesh_frame){0}, &in_mm, &err), MRT_OK);
     assert_int_equal(m.up, MESH_AXIS_Y);
     assert_int_equal(m.forward, MESH_AXIS_MINUS_Z);
     assert_non_null(strstr(m.note, "from its skeleton"));

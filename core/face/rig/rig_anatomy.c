@@ -289,6 +289,105 @@ static int find_neck_of_bust(const rows *r)
     return -1;
 }
 
+/* Figures whose heads are as wide as their bodies, as toys have them: the head is the highest part
+ * that is large, and the neck below it is much thinner than both. Ears and hats on it are thin,
+ * too. Thickness: by how many cells of the front are covered times the same from the side. Returns
+ * the row; -1: there is none. */
+static int find_neck_of_figure(const rig_anatomy *a, const mesh *m, vec3 low, vec3 high)
+{
+    enum { CELLS = 64 };
+    const double size[3] = {high.x - low.x, high.y - low.y, high.z - low.z};
+    double thick[ROWS], most = 0.0;
+    uint64_t covered[ROWS][2] = {{0}};
+    for (uint32_t i = 0; i < m->triangle_count; ++i) {
+        const uint32_t *corner = m->triangle + (size_t)i * 3;
+        const vec3 p[3] = {mesh_position(m, corner[0]), mesh_position(m, corner[1]),
+                           mesh_position(m, corner[2])};
+        const vec3 from = least(p[0], least(p[1], p[2])), to = greatest(p[0], greatest(p[1], p[2]));
+        if (!a->is_head[corner[0]])
+            continue;
+        const double ends[2][2] = {{from.x - low.x, to.x - low.x}, {from.z - low.z, to.z - low.z}};
+        for (int side = 0; side < 2; ++side) {
+            const double cell = size[2 * side] / CELLS;
+            const int first = (int)fmin(ends[side][0] / cell, CELLS - 1.0);
+            const int last = (int)fmin(ends[side][1] / cell, CELLS - 1.0);
+            const uint64_t bits = (UINT64_MAX >> (CELLS - 1 - (last - first))) << first;
+            const int end = (int)fmin((to.y - low.y) / size[1] * ROWS, ROWS - 1.0);
+            for (int row = (int)fmin((from.y - low.y) / size[1] * ROWS, ROWS - 1.0); row <= end;
+                 ++row)
+                covered[row][side] |= bits;
+        }
+    }
+    for (int row = 0; row < ROWS; ++row) {
+        thick[row] = (double)__builtin_popcountll(covered[row][0]) *
+                     (double)__builtin_popcountll(covered[row][1]);
+        most = fmax(most, thick[row]);
+    }
+    int head = ROWS - 1; /* the thickest row of the highest part that is large */
+    while (head > 0 && thick[head] < 0.35 * most)
+        head -= 1;
+    for (int row = head; row > 0 && thick[row] > 0.6 * thick[head]; --row)
+        head = thick[row] > thick[head] ? row : head;
+    int neck = head;
+    for (int row = head; row > ROWS / 10 && thick[row] < 1.5 * thick[neck] + 1.0; --row)
+        neck = thick[row] < thick[neck] ? row : neck;
+    double body = 0.0;
+    for (int row = 0; row < neck; ++row)
+        body = fmax(body, thick[row]);
+    const bool is_thin = thick[neck] < 0.55 * thick[head] && thick[neck] < 0.7 * body;
+    return is_thin && body > 0.4 * thick[head] && ROWS - neck > ROWS / 6 ? neck : -1;
+}
+
+static double size_of(const anatomy_piece *p)
+{
+    vec3 d = vec3_sub(p->high, p->low);
+    return d.x * d.y * d.z;
+}
+
+/* Whether a piece of a figure may be its head: in the upper half, neither long nor flat. */
+static bool may_be_head(const rig_anatomy *a, const anatomy_piece *p, const rows *r)
+{
+    const double height = ROWS * r->row_mm;
+    const vec3 size = vec3_sub(p->high, p->low);
+    const double wide = fmax(size.x, size.z), deep = fmin(size.x, size.z);
+    return p->point_count > 0 && a->is_head[p->vertex] && size.y < 2.0 * wide &&
+           wide < 2.5 * size.y && wide < 2.5 * deep && size.y > 0.1 * height &&
+           size.y < 0.75 * height && p->low.y > r->low_y + 0.25 * height &&
+           p->low.y + p->high.y > 2.0 * r->low_y + 0.9 * height;
+}
+
+/* Figures that are made of a piece for each limb: the head is the highest large piece that may be
+ * one, where other large pieces are below it. Sets head_piece. Returns the row of its lower end;
+ * -1: there is none. */
+static int find_neck_by_pieces(rig_anatomy *a, const rows *r)
+{
+    const double height = ROWS * r->row_mm;
+    const anatomy_piece *head = NULL;
+    double below = 0.0, largest = 0.0;
+    for (uint32_t i = 0; i < a->piece_count; ++i)
+        if (may_be_head(a, &a->piece[i], r))
+            largest = fmax(largest, size_of(&a->piece[i]));
+    for (uint32_t i = 0; i < a->piece_count; ++i) {
+        const anatomy_piece *p = &a->piece[i];
+        if (may_be_head(a, p, r) && size_of(p) > 0.35 * largest &&
+            (!head || p->low.y > head->low.y))
+            head = p;
+    }
+    for (uint32_t i = 0; head && i < a->piece_count; ++i) {
+        const anatomy_piece *p = &a->piece[i];
+        const double tall = p->high.y - p->low.y, into = p->high.y - head->low.y;
+        if (p == head || p->point_count == 0 || !a->is_head[p->vertex] ||
+            p->low.y > head->low.y - 0.1 * height)
+            continue;
+        if (into > 0.5 * tall) /* the skin of a face below its hair */
+            return -1;
+        below += size_of(p);
+    }
+    const bool has_body =
+        head && head->low.y - r->low_y > 0.25 * height && below > 0.3 * size_of(head);
+    return has_body ? row_of(r, head->low.y) : -1;
+}
+
 /* Cuts the head off at the neck. A head alone has no shoulders. A whole body is far higher than it
  * is deep. */
 static void cut_off_body(rig_anatomy *a, const mesh *m, vec3 low, vec3 high)
@@ -298,7 +397,11 @@ static void cut_off_body(rig_anatomy *a, const mesh *m, vec3 low, vec3 high)
         return;
     fill_rows(r, m, a->is_head, low, high);
     bool is_tall = high.y - low.y > 2.2 * (high.z - low.z);
-    int neck = is_tall ? find_neck_of_body(r) : find_neck_of_bust(r);
+    int neck = find_neck_by_pieces(a, r);
+    if (neck < 0)
+        neck = is_tall ? find_neck_of_body(r) : find_neck_of_bust(r);
+    if (neck < 0)
+        neck = find_neck_of_figure(a, m, low, high);
     if (neck >= 0)
         neck = row_with_skin(r, neck); /* the head may hover above its body */
     if (neck >= 0) {
@@ -316,12 +419,6 @@ static bool overlap(const anatomy_piece *p, const anatomy_piece *q)
 {
     return p->low.x <= q->high.x && q->low.x <= p->high.x && p->low.y <= q->high.y &&
            q->low.y <= p->high.y && p->low.z <= q->high.z && q->low.z <= p->high.z;
-}
-
-static double size_of(const anatomy_piece *p)
-{
-    vec3 d = vec3_sub(p->high, p->low);
-    return d.x * d.y * d.z;
 }
 
 /* Groups pieces with overlapping boxes into figures. Each figure at least half as large as the
@@ -668,6 +765,10 @@ static mrt_result find_face(rig_anatomy *a, const mesh *m, error *err)
         prefer_sockets(visible, a, m, f->high.y - f->low.y);
     for (uint32_t i = 0; has_memory && i < a->piece_count; ++i) {
         if (anatomy_has_word(name_of(m, &a->piece[i]), WORDS("head", "face")))
+            visible[i] *= 4.0;
+        const vec3 size = vec3_sub(a->piece[i].high, a->piece[i].low);
+        visible[i] *= fmin(2.0 * size.y / fmax(size.x, 1e-9), 1.0); /* brims are flat */
+        if (i == a->head_piece)
             visible[i] *= 4.0;
         if (visible[i] > 0.0 && (a->face == a->piece_count || visible[i] > visible[a->face]))
             a->face = i;
@@ -1031,7 +1132,8 @@ static bool is_a_face(const rig_anatomy *a)
 
 mrt_result rig_anatomy_find(rig_anatomy *out, const mesh *m, const topology *t, error *err)
 {
-    *out = (rig_anatomy){.head_joint = MESH_NO_JOINT, .jaw_joint = MESH_NO_JOINT};
+    *out = (rig_anatomy){
+        .head_joint = MESH_NO_JOINT, .jaw_joint = MESH_NO_JOINT, .head_piece = UINT32_MAX};
     out->is_head = calloc((size_t)m->vertex_count + 1, 1);
     out->is_face = calloc((size_t)m->vertex_count + 1, 1);
     out->hidden_mm = calloc((size_t)m->vertex_count + 1, sizeof *out->hidden_mm);

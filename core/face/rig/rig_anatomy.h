@@ -47,6 +47,7 @@ typedef struct rig_anatomy {
     float *hidden_mm; /* vertex_count: depth behind other skin of the face, seen from the front */
     uint32_t face;    /* index of the face's piece */
     anatomy_source source;
+    uint32_t head_piece; /* the piece that is the head of a figure; UINT32_MAX: not found so */
     uint32_t head_joint, jaw_joint; /* MESH_NO_JOINT if the file has none */
     bool has_body;
     vec3 neck;     /* centre of the head's rotation on a body, mm */

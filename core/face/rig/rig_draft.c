@@ -29,6 +29,7 @@ typedef enum ambition { /* contents of a draft; reduced if a draft cannot be loa
                         ALL = 0,
                         WITHOUT_LIDS,
                         WITHOUT_PIECES,
+                        WITHOUT_BONES, /* the skull alone: the head is clay */
                         AMBITIONS
 } ambition;
 
@@ -45,6 +46,7 @@ typedef struct drafting {
     rig_anatomy a;
     rig_head head;
     ambition ambition;
+    bool has_jaw, has_body; /* a bone moves at least one vertex */
     patch patch[PATCHES_MAX];
     uint32_t patch_count;
     double reach_mm; /* height from the nose down to the chin: the unit of measure of a face */
@@ -270,7 +272,9 @@ static void draft_pieces(drafting *d)
         piece_kind kind = d->a.piece[i].kind;
         const char *bone = bone_of[kind];
         if (kind == PIECE_BODY && d->a.head_joint == MESH_NO_JOINT)
-            bone = d->a.has_body ? "body" : "skull";
+            bone = d->has_body ? "body" : "skull";
+        if (bone && strcmp(bone, "jaw") == 0 && !d->has_jaw)
+            bone = "skull";
         if (!d->a.has_face && kind == PIECE_RIDES && d->a.head_joint != MESH_NO_JOINT)
             bone = NULL;
         if (bone && !is_same_as_earlier(d, i))
@@ -358,6 +362,16 @@ static void add_held(drafting *d, const char *bone, json_t *select)
 
 /* Adds the regions of a head on a body. The file's skin decides which vertices turn with the head;
  * without a skin their height decides. */
+static double neck_softness(const drafting *d)
+{
+    return d->a.has_face ? 0.2 * (d->head.top_y - d->a.neck.y) : 0.0;
+}
+
+static double body_top_y(const drafting *d)
+{
+    return d->a.neck.y - neck_softness(d);
+}
+
 static void add_body(drafting *d)
 {
     if (d->a.head_joint != MESH_NO_JOINT) {
@@ -370,8 +384,7 @@ static void add_body(drafting *d)
                  joint, sure[BY_SKELETON]);
         return;
     }
-    double soft = d->a.has_face ? 0.2 * (d->head.top_y - d->a.neck.y) : 0.0;
-    vec3 below = {0.0, d->a.neck.y - soft, 0.0}, above = {0.0, d->a.neck.y + soft, 0.0};
+    vec3 below = {0.0, body_top_y(d), 0.0}, above = {0.0, d->a.neck.y + neck_softness(d), 0.0};
     add_held(d, "skull", beside(d, of_face(d, half_space(above, (vec3){0, 1, 0}))));
     add_held(d, "body", of_face(d, half_space(below, (vec3){0, -1, 0})));
     rig_note(&d->confirm, "bones body and skull: the head ends at y = %.0f mm, %s", d->a.neck.y,
@@ -471,6 +484,28 @@ static void note_mouth(drafting *d)
                  d->mouth.upper_count, d->mouth.lower_count);
 }
 
+/* Selects the skin of the chin: inside an ellipsoid and below the lips. A coarse mesh may have no
+ * vertex there: then the vertex below the lips that is nearest to the chin. */
+static json_t *select_chin(const drafting *d, vec3 chin, vec3 radii, vec3 lip)
+{
+    uint32_t nearest = RIG_NONE;
+    double nearest_mm = (double)INFINITY;
+    for (uint32_t v = 0; v < d->m->vertex_count; ++v) {
+        const vec3 p = mesh_position(d->m, v), way = vec3_sub(p, chin);
+        const vec3 part = {way.x / radii.x, way.y / radii.y, way.z / radii.z};
+        if (!d->a.is_face[v] || !(p.y < lip.y))
+            continue;
+        if (vec3_length(part) < 1.0)
+            return json_pack("{s[oo]}", "all", ellipsoid(chin, radii),
+                             half_space(lip, (vec3){0, -1, 0}));
+        if (vec3_length(way) < nearest_mm) {
+            nearest_mm = vec3_length(way);
+            nearest = v;
+        }
+    }
+    return json_pack("{s[i]}", "vertices", (int)nearest);
+}
+
 static void add_jaw(drafting *d)
 {
     const rig_head *head = &d->head;
@@ -478,9 +513,7 @@ static void add_jaw(drafting *d)
     vec3 chin = {head->middle_x, head->chin.y + 0.12 * reach, head->chin.z};
     vec3 radii = {0.4 * head->half_width, 0.25 * reach, 0.35 * reach};
     vec3 lip = {head->middle_x, head->lip_lower_y - 0.05 * reach, 0.0};
-    add_region(d, "jaw", "weight", json_integer(1),
-               of_face(d, json_pack("{s[oo]}", "all", ellipsoid(chin, radii),
-                                    half_space(lip, (vec3){0, -1, 0}))));
+    add_region(d, "jaw", "weight", json_integer(1), of_face(d, select_chin(d, chin, radii, lip)));
     if (!d->a.has_slit && d->a.has_parted_lips) {
         rig_note(&d->confirm,
                  "mouth: the skin between the lips would fold if they parted (certain). The face "
@@ -615,7 +648,7 @@ static json_t *turn_of(const char *name, vec3 axis, int most)
 
 static void draft_skull(drafting *d)
 {
-    if (!d->a.has_body) {
+    if (!d->has_body) {
         json_array_append_new(d->bones, json_pack("{ss}", "name", "skull"));
         return;
     }
@@ -710,15 +743,38 @@ static json_t *draft_proxy(drafting *d)
                      point_of(radii), "bone", "skull");
 }
 
+/* Finds out whether the jaw and the body have vertices. */
+static void find_bones(drafting *d)
+{
+    const rig_anatomy *a = &d->a;
+    const double lip_y = d->head.lip_lower_y - 0.05 * d->reach_mm;
+    bool is_bare = d->ambition >= WITHOUT_BONES;
+    d->has_jaw = d->has_body = false;
+    for (uint32_t v = 0; !is_bare && v < d->m->vertex_count; ++v) {
+        const double y = mesh_position(d->m, v).y;
+        const bool has_skin = a->head_joint != MESH_NO_JOINT;
+        d->has_jaw = d->has_jaw || (a->has_face && a->is_face[v] && y < lip_y);
+        d->has_body =
+            d->has_body || (a->has_body && (has_skin ? !a->is_head[v]
+                                            : a->of_vertex[v] == a->face
+                                                ? y < body_top_y(d)
+                                                : a->piece[a->of_vertex[v]].kind == PIECE_BODY));
+    }
+    if (a->has_face && !d->has_jaw)
+        rig_note(&d->confirm, "bone jaw: left out, since no skin lies below the mouth");
+}
+
 static json_t *draft_document(drafting *d, const char *mesh_name)
 {
     d->bones = json_array();
     d->regions = json_array();
     d->contacts = json_array();
+    find_bones(d);
     draft_skull(d);
     double size_mm = d->a.has_face ? d->head.top_y - d->head.chin.y : 200.0;
-    if (d->a.has_face) {
+    if (d->a.has_face && d->has_jaw)
         draft_jaw(d);
+    if (d->a.has_face) {
         if (d->ambition < WITHOUT_PIECES)
             draft_eyes(d);
         draft_contacts(d);
@@ -726,14 +782,19 @@ static json_t *draft_document(drafting *d, const char *mesh_name)
         add_upper_face(d);
         if (d->ambition < WITHOUT_LIDS)
             draft_lids(d);
+    }
+    if (d->a.has_face && d->has_jaw) {
         add_jaw(d);
         note_mouth(d);
         add_patches(d);
     }
-    if (d->a.has_body)
+    if (d->has_body)
         add_body(d);
-    else
+    else if (d->a.has_face)
         add_cranium(d);
+    else
+        add_held(d, "skull",
+                 half_space((vec3){0.0, d->a.piece[d->a.face].low.y - 1.0, 0.0}, (vec3){0, 1, 0}));
     if (d->ambition < WITHOUT_PIECES)
         draft_pieces(d);
     double radius_mm = round(0.27 * size_mm);
@@ -789,8 +850,11 @@ static void note_assumptions(drafting *d)
              head->middle_x);
     rig_note(&d->confirm,
              "face: the tip of the nose is at y = %.1f mm, the mouth at %.1f mm, the end of the "
-             "chin at %.1f mm, by its shape (likely). All places below are derived from these",
-             head->nose.y, head->mouth_y, head->chin.y);
+             "chin at %.1f mm, %s. All places below are derived from these",
+             head->nose.y, head->mouth_y, head->chin.y,
+             head->is_plain ? "by the proportions of heads, since the shape shows no nose and no "
+                              "mouth (unsure)"
+                            : "by its shape (likely)");
 }
 
 static mrt_result draft_once(rig *out, drafting *d, const char *mesh_path, error *err)
@@ -1262,6 +1326,19 @@ bool rig_draft_is_clay(const rig *drafted)
     return jaw != RIG_NONE && drafted->bone[jaw].slide_mm == 0.0;
 }
 
+/* d->ambition is the one after that of the draft. */
+static void note_left_out(drafting *d)
+{
+    if (d->ambition == WITHOUT_PIECES)
+        rig_note(&d->confirm, "lids: left out, since the skin around the eyes would fold");
+    else if (d->ambition == WITHOUT_BONES)
+        rig_note(&d->confirm, "lids, eyes, teeth and accessories: left out, since the rig could "
+                              "not be loaded with them");
+    else
+        rig_note(&d->confirm, "bones: all but the skull are left out, since the rig could not be "
+                              "loaded with them. The head is performed as clay");
+}
+
 mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const topology *t,
                           const char *mesh_path, const uint32_t *cut_mouth, uint32_t cut_count,
                           error *err)
@@ -1300,7 +1377,7 @@ mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const top
                 result = draft_once(out, &d, mesh_path, err);
         }
         if (result < 0 && m->vertex_count > LAPLACE_FREE_MOST)
-            break; /* a smaller draft takes as long */
+            d.ambition = WITHOUT_PIECES; /* other drafts take as long */
         if (result >= 0) {
             result = try_bones(out, &d, &tried, err);
             is_done = result >= 0 && (tried.has_lids || d.ambition > ALL);
@@ -1316,10 +1393,7 @@ mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const top
         d.ambition += is_clay ? 0 : 1;
     }
     if (result >= 0 && d.ambition > WITHOUT_LIDS)
-        rig_note(&d.confirm, "%s: left out, since the %s",
-                 d.ambition == WITHOUT_PIECES ? "lids" : "lids, eyes, teeth and accessories",
-                 d.ambition == WITHOUT_PIECES ? "skin around the eyes would fold"
-                                              : "rig could not be loaded with them");
+        note_left_out(&d);
     if (result >= 0)
         add_follows(out, &d);
     if (result >= 0 && (result = add_mouth(out, &d, err)) < 0)

@@ -1,5 +1,7 @@
 #include "face/rig/rig_head.h"
 
+#include "base/percentile.h"
+
 #include "mesh/position.h"
 
 #include <math.h>
@@ -507,8 +509,9 @@ static void measure_profile(rig_head *out, profile p[3], const mesh *m, const ui
     out->lip_upper_y = row_y(p, upper);
     out->lip_lower_y = row_y(p, lower);
     out->mouth_z = fmin(p->front[upper], p->front[lower]);
-    if (!isfinite(out->mouth_z))
-        out->mouth_z = out->chin.z;
+    /* The cut may run along the inside of an open mouth. */
+    const double behind = fmin(out->nose.z, out->chin.z) - 0.25 * (out->nose.y - out->chin.y);
+    out->mouth_z = isfinite(out->mouth_z) ? fmax(out->mouth_z, behind) : out->chin.z;
     out->back_z = out->nose.z;
     for (int row = chin; row < ROWS; ++row)
         out->back_z = fmin(out->back_z, p->back[row]);
@@ -520,6 +523,40 @@ static void measure_profile(rig_head *out, profile p[3], const mesh *m, const ui
     out->half_width = measure_half_width(m, is_face, out, 0.5 * (box.high.x - box.low.x));
     if (out->mouth_depth > 0.01 * (out->nose.y - out->chin.y))
         follow_mouth(&p[1], out, m, is_face, mouth, span);
+}
+
+/* A row of the profile by its height, 0..1; -1: nothing is there. */
+static int plain_row(const profile *p, double up)
+{
+    int low = 0, high = ROWS - 1;
+    while (low < ROWS && !isfinite(p->front[low]))
+        low += 1;
+    while (high > low && !isfinite(p->front[high]))
+        high -= 1;
+    const int row = low + (int)(up * (high - low));
+    return row < ROWS && isfinite(p->front[row]) ? row : -1;
+}
+
+/* Whether no row comes forward more than the usual one, and none lies behind those above and below
+ * it: a ball, a barrel or a box. */
+static bool is_plain(const rig_head *head, const profile p[3], int nose, int chin)
+{
+    double out[ROWS], front[ROWS];
+    uint32_t count = 0;
+    const double height = ROWS * p->row_mm;
+    const int span = nose - chin, reach = span * 8 / 100 + 1;
+    const int mouth = (int)floor((head->mouth_y - p->low_y) / p->row_mm);
+    for (int row = 0; row < ROWS; ++row)
+        if (isfinite(p->front[row])) {
+            out[count] = prominence(&p[0], &p[1], &p[2], row);
+            front[count++] = p->front[row];
+        }
+    double lips = 0.0;
+    if (mouth >= reach && mouth + reach < ROWS)
+        lips = fmin(p->front[mouth - reach], p->front[mouth + reach]) - p->front[mouth];
+    return prominence(&p[0], &p[1], &p[2], nose) - percentile(out, count, 0.5) < 0.01 * height &&
+           p->front[nose] - percentile(front, count, 0.5) < 0.12 * height &&
+           !(lips > 0.01 * span * p->row_mm) && !head->has_touching_lips;
 }
 
 mrt_result rig_head_measure(rig_head *out, const mesh *m, const uint8_t *is_face, error *err)
@@ -551,6 +588,15 @@ mrt_result rig_head_measure(rig_head *out, const mesh *m, const uint8_t *is_face
     out->nose_mm = is_found ? prominence(&p[0], &p[1], &p[2], nose) : 0.0;
     if (is_found)
         measure_profile(out, p, m, is_face, nose, chin, least_depth);
+    out->is_plain = !is_found || is_plain(out, p, nose, chin);
+    if (out->is_plain) {
+        nose = plain_row(p, 0.42);
+        chin = plain_row(p, 0.08);
+        is_found = nose - chin >= ROWS / 20;
+        *out = (rig_head){.middle_x = out->middle_x, .is_plain = true};
+        if (is_found)
+            measure_profile(out, p, m, is_face, nose, chin, least_depth);
+    }
     free(p);
     if (is_found && out->half_width > 0.0)
         return MRT_OK;

@@ -21,6 +21,7 @@ typedef struct rig_head { /* mm */
     double groove_y[RIG_GROOVE]; /* of the groove, in equal steps from the middle to corner_x */
     double top_y, back_z;        /* of the part above the chin */
     double half_width;           /* of the face's front at the height of the nose */
+    bool is_plain; /* its shape shows no nose and no mouth: they are placed by proportions */
 } rig_head;
 
 /* is_face: vertex_count: 0 for vertices to ignore, such as hair and bodies; NULL: all belong to the

@@ -229,7 +229,7 @@ static int find_left_axis(const double symmetry[3], double margin)
 {
     int best = 0;
     for (int i = 1; i < 3; ++i)
-        if (symmetry[i] > 0.85 && symmetry[i] > symmetry[0] + margin &&
+        if (symmetry[i] > 0.75 && symmetry[i] > symmetry[0] + margin &&
             (best == 0 || symmetry[i] > symmetry[best]))
             best = i;
     return best;
