@@ -268,22 +268,22 @@ MEMORY_RESUME(memory_of);
 /* clang-format off */
 #define CONTACT_PARAM(id, hand, finger)                                                            \
     {id, MRT_PARAM_STEPPED, hand " " finger, "Contacts", "",                                       \
-     "The contact of the face that this finger pulls; 0: the place where it is laid.",             \
+     "Contact that this finger pulls. 0: the point of the face that it touches.",             \
      0, CONTACT_MOST, 0, NULL}
 static const mrt_param params[PARAM_COUNT] = {
     PLACEMENT_PARAMS,
-    {12, 0, "Gain", "Pull", "", "How far the face moves when the hand moves by 1.",
+    {12, 0, "Gain", "Pull", "", "Movement of the face for a movement of 1 of the hand.",
      0, 4, 0.6, NULL},
     {13, 0, "Radius", "Pull", "%",
-     "Support radius of each point, in per cent of the face's height; taken at engage.",
+     "Support radius of each point, in per cent of the face's height. Read at engage.",
      2, 200, 25, NULL},
     {14, 0, "Reach", "Pull", "%",
-     "Where a pull is softly stopped, in per cent of the radius: beyond 47 a surface folds.",
+     "Soft limit of a pull, in per cent of the radius. Above 47 the surface folds.",
      1, 100, 30, NULL},
     {15, MRT_PARAM_STEPPED, "Gate", "Pull", "",
-     "Take hold only when a point is within its radius of the face.", 0, 1, 1, placement_off_on_labels},
+     "Engage a point only when the face is within its radius.", 0, 1, 1, placement_off_on_labels},
     {16, 0, "Leak", "Pull", "s",
-     "Time in which a pull that is held eases back to the base shape; 0: never.", 0, 60, 0, NULL},
+     "Time in which a held pull eases back to the base shape. 0: never.", 0, 60, 0, NULL},
     SOLVER_PARAMS,
     CLUTCH_PARAMS,
     CONTACT_PARAM(30, "Right", "thumb"),
@@ -310,7 +310,7 @@ static const mrt_plugin_type anchored = {
     "org.marotte.anchored",
     "Anchored",
     "1.0",
-    "Fingertips take hold of the face and pull it from where they took hold.",
+    "Each fingertip grips a point of the face and pulls it.",
     create,
     mapping_destroy,
 };

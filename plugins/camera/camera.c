@@ -146,13 +146,13 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
     input_close(self);
     if (!read_address(address, &self->number)) {
         device_say(self->host, MRT_LOG_ERROR,
-                   "\"%.40s\" is no port: expected a number from 1 to 65535", address);
+                   "\"%.40s\" is not a port: expected a number from 1 to 65535", address);
         return MRT_ERR_ARGUMENT;
     }
     if (!bare_hand_can_be_read(&self->hand))
         return MRT_ERR_UNSUPPORTED;
     if (!find_token(self, token)) {
-        device_say(self->host, MRT_LOG_ERROR, "this system gives no random numbers");
+        device_say(self->host, MRT_LOG_ERROR, "cannot get random numbers from the system");
         return MRT_ERR_IO;
     }
     find_package(package, sizeof package);
@@ -167,9 +167,8 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
     char file[CAMERA_PATH + 16];
     (void)snprintf(file, sizeof file, "%s/hands.js", package);
     if (access(file, R_OK) != 0)
-        device_say(
-            self->host, MRT_LOG_WARNING,
-            "what finds hands in pictures is not here yet: run `marotte camera --setup` once");
+        device_say(self->host, MRT_LOG_WARNING,
+                   "the hand detector is not installed: run `marotte camera --setup` once");
     return MRT_OK;
 }
 
@@ -297,11 +296,10 @@ static void fill_device(const mrt_plugin *self, mrt_device *out)
     (void)snprintf(file, sizeof file, "%s/hands.js", package);
     /* Whoever opens all that is ready does not mean the camera. */
     out->state = MRT_DEVICE_UNSURE;
-    (void)snprintf(
-        out->advice, sizeof out->advice, "%s",
-        access(file, R_OK) == 0
-            ? "a page in your browser sees the hand: its address is said when it is opened"
-            : "run `marotte camera --setup` once: it fetches what finds hands in pictures");
+    (void)snprintf(out->advice, sizeof out->advice, "%s",
+                   access(file, R_OK) == 0
+                       ? "a page in your browser sees the hand; open the input to get its address"
+                       : "run `marotte camera --setup` once: it downloads the hand detector");
 }
 
 static uint32_t list_devices(mrt_plugin *self, mrt_device *out, uint32_t capacity)
@@ -359,7 +357,7 @@ static const mrt_plugin_type type = {
     "org.marotte.camera",
     "Camera",
     MAROTTE_VERSION,
-    "A bare hand before a webcam, seen by a page in your own browser",
+    "A bare hand in front of a webcam, tracked by a page in your browser",
     create,
     destroy,
 };

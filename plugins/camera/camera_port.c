@@ -244,7 +244,7 @@ static void begin_page(camera_port *self, connection *c, const web_request *requ
     self->page = (int)(c - self->connection);
     clock_map_reset(&self->clock);
     (void)send_state(self, c);
-    device_say(host, MRT_LOG_INFO, "the camera's page is there");
+    device_say(host, MRT_LOG_INFO, "the camera's page is connected");
 }
 
 static void hear(camera_port *self, const camera_message *message, int64_t now_ns)
@@ -303,9 +303,8 @@ static void end_page(camera_port *self, connection *c, int code, int64_t now_ns,
     if (self->page >= 0 && c == &self->connection[self->page]) {
         self->page = -1;
         device_say(host, code == 1000 ? MRT_LOG_INFO : MRT_LOG_WARNING,
-                   code == 1000
-                       ? "the camera's page has gone: the hand is held"
-                       : "the camera's page said something that makes no sense and was closed");
+                   code == 1000 ? "the camera's page is disconnected: the hand is held"
+                                : "the camera's page sent an invalid message and was disconnected");
     }
     c->is_ending = true;
     c->until_ns = now_ns + request_span_ns;
@@ -364,7 +363,7 @@ static void receive(camera_port *self, connection *c, int64_t now_ns, const mrt_
         return;
     if (size <= 0) {
         if (c->state == PAGE && self->page >= 0 && c == &self->connection[self->page])
-            device_say(host, MRT_LOG_INFO, "the camera's page has gone: the hand is held");
+            device_say(host, MRT_LOG_INFO, "the camera's page is disconnected: the hand is held");
         drop(self, c);
         return;
     }
@@ -589,11 +588,11 @@ static int listen_at(uint16_t port, char *out_reason)
         return fd;
     if (errno == EADDRINUSE)
         (void)snprintf(out_reason, CAMERA_REASON,
-                       "port %u is another program's, or another marotte's: close that, or take "
-                       "another port, as in camera:%u",
+                       "port %u is in use by another program or another marotte: close it, or "
+                       "choose another port, as in camera:%u",
                        (unsigned)port, port < 65535 ? port + 1u : port - 1u);
     else
-        (void)snprintf(out_reason, CAMERA_REASON, "port %u of 127.0.0.1 cannot be had: %s",
+        (void)snprintf(out_reason, CAMERA_REASON, "cannot listen on port %u of 127.0.0.1: %s",
                        (unsigned)port, strerror(errno));
     if (fd >= 0)
         close(fd);
@@ -605,7 +604,7 @@ static camera_port *make_port(uint16_t number, const char *token, const char *pa
 {
     camera_port *self = calloc(1, sizeof *self);
     if (!self) {
-        (void)snprintf(out_reason, CAMERA_REASON, "no memory for port %u", (unsigned)number);
+        (void)snprintf(out_reason, CAMERA_REASON, "out of memory for port %u", (unsigned)number);
         return NULL;
     }
     self->number = number;

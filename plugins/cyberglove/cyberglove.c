@@ -113,30 +113,30 @@ static void say_limits(glove_drive *drive)
     const glove_settings *settings = &drive->settings;
     const char *name = drive->port.name;
     if (drive->port.latency_ms > 1)
-        glove_drive_tell(drive, GLOVE_TOLD_LATENCY, MRT_LOG_WARNING,
-                         "%.60s: its adapter holds bytes back for %u ms: run \"echo 1 | sudo tee "
-                         "%.100s\"",
-                         name, drive->port.latency_ms, drive->port.latency_file);
+        glove_drive_tell(
+            drive, GLOVE_TOLD_LATENCY, MRT_LOG_WARNING,
+            "%.60s: the serial adapter delays bytes by %u ms: run \"echo 1 | sudo tee %.100s\"",
+            name, drive->port.latency_ms, drive->port.latency_file);
     if (unit->refused[0])
         glove_drive_tell(drive, GLOVE_TOLD_REFUSED, MRT_LOG_INFO,
-                         "%.60s: this glove does not know the orders %s: does without (D time "
-                         "stamps, U switch, T rate, F filter)",
+                         "%.60s: this glove does not support the commands %s: continues without "
+                         "them (D time stamps, U switch, T rate, F filter)",
                          name, unit->refused);
     if (unit->readiness != 3)
         glove_drive_tell(drive,
                          unit->readiness & 2 ? GLOVE_TOLD_READINESS
                                              : GLOVE_TOLD_READINESS | GLOVE_TOLD_UNPLUGGED,
-                         MRT_LOG_WARNING, "%.60s: the box says that its glove is %s", name,
+                         MRT_LOG_WARNING, "%.60s: the box reports that its glove is %s", name,
                          unit->readiness & 2 ? "not ready" : "not plugged in");
     if (!unit->reported_hand && settings->hand == GLOVE_HAND_AUTO)
         glove_drive_tell(drive, GLOVE_TOLD_HAND, MRT_LOG_WARNING,
-                         "%.60s: the glove does not say which hand it is for: taken as a right one "
-                         "(hand=left)",
+                         "%.60s: the glove does not report its hand: a right hand is assumed. For "
+                         "a left one set hand=left",
                          name);
     if (unit->asked_hz > 0 && unit->asked_hz < settings->rate_hz - 0.5)
         glove_drive_tell(drive, GLOVE_TOLD_LINE, MRT_LOG_WARNING,
-                         "%.60s: at %u baud it can send %.0f records a second, not %.0f", name,
-                         settings->baud, unit->asked_hz, settings->rate_hz);
+                         "%.60s: at %u baud it can send only %.0f records per second, not %.0f",
+                         name, settings->baud, unit->asked_hz, settings->rate_hz);
 }
 
 static void say_what_it_is(glove_drive *drive)
@@ -147,8 +147,8 @@ static void say_what_it_is(glove_drive *drive)
         snprintf(rate, sizeof rate, "%.1f Hz", 1e9 / (double)unit->period_ns);
     glove_drive_tell(drive, 0, MRT_LOG_INFO, "%.60s: CyberGlove, %s hand, %u sensors, %s%s, %s",
                      drive->port.name, unit->hand == MRT_LEFT ? "left" : "right",
-                     unit->sensors.count, rate, unit->is_polled ? " (asked for each)" : "",
-                     unit->layout.has_time ? "its own time stamps" : "times by arrival");
+                     unit->sensors.count, rate, unit->is_polled ? " (polled)" : "",
+                     unit->layout.has_time ? "its own time stamps" : "times of arrival");
     say_limits(drive);
 }
 
@@ -271,11 +271,11 @@ static void describe_device(const glove_found *port, mrt_device *out)
         glove_find_advice(port->path, out->advice, sizeof out->advice);
     } else if (glove_find_holder(port->path, holder, sizeof holder)) {
         out->state = MRT_DEVICE_BUSY;
-        snprintf(out->advice, sizeof out->advice, "%s is in use by %s: close that first",
+        snprintf(out->advice, sizeof out->advice, "%s is in use by %s: close that program first",
                  port->path, holder);
     } else {
         snprintf(out->advice, sizeof out->advice,
-                 "a glove may be at %s: only asking it tells, with cyberglove:%s", port->path,
+                 "a glove may be connected to %s: to test it, open cyberglove:%s", port->path,
                  out->address);
     }
 }
@@ -340,26 +340,28 @@ static const char *const filter_label[] = {"as it is", "off", "on", NULL};
 
 static const mrt_param params[PARAM_COUNT] = {
     [PARAM_BAUD] = {1, MRT_PARAM_STEPPED, "baud", "Line", "",
-                    "The line's speed: old boxes are often set to 38400", 0, 5, 0, baud_label},
+                    "Speed of the serial line; old boxes are often set to 38400", 0, 5, 0,
+                    baud_label},
     [PARAM_RATE] = {2, 0, "rate", "Glove", "Hz",
-                    "How often the glove measures, 1 and more; 0 is its own rate", 0, 400, 150,
+                    "Measurements per second, at least 1; 0: the glove's own rate", 0, 400, 150,
                     NULL},
     [PARAM_MODE] = {3, MRT_PARAM_STEPPED, "mode", "Glove", "",
-                    "Whether it streams or is asked for each record", 0, 2, 0, mode_label},
+                    "Whether the glove streams records or is polled for each", 0, 2, 0, mode_label},
     [PARAM_STREAM] = {4, MRT_PARAM_STEPPED, "stream", "Glove", "",
-                      "Which records: 16 bit is the CyberGlove III's own stream", 0, 1, 0,
+                      "Format of the records; 16 bit is the CyberGlove III's own stream", 0, 1, 0,
                       stream_label},
     [PARAM_STAMPS] = {5, MRT_PARAM_STEPPED, "time stamps", "Glove", "",
-                      "Whether times come from the glove's clock", 0, 2, 0, stamps_label},
-    [PARAM_HAND] = {6, MRT_PARAM_STEPPED, "hand", "Glove", "",
-                    "Which glove to look for, or whose a named one is; auto: as it says", 0, 2, 0,
-                    hand_label},
+                      "Use the times of the glove's clock", 0, 2, 0, stamps_label},
+    [PARAM_HAND] =
+        {6, MRT_PARAM_STEPPED, "hand", "Glove", "",
+         "Hand of the glove to look for, or of the named glove; auto: as the glove reports", 0, 2,
+         0, hand_label},
     [PARAM_SWITCH] = {7, MRT_PARAM_STEPPED, "switch", "Glove", "",
-                      "Which pedal the switch at the wrist is", 0, 4, 0, switch_label},
+                      "Pedal number of the switch at the wrist", 0, 4, 0, switch_label},
     [PARAM_FILTER] = {8, MRT_PARAM_STEPPED, "filter", "Glove", "",
                       "The glove's own low-pass filter", 0, 2, 0, filter_label},
-    [PARAM_PATIENCE] = {9, MRT_PARAM_HIDDEN, "patience", "Line", "times",
-                        "All limits of waiting, times this", 0.02, 1, 1, NULL},
+    [PARAM_PATIENCE] = {9, MRT_PARAM_HIDDEN, "patience", "Line", "times", "Factor for all timeouts",
+                        0.02, 1, 1, NULL},
 };
 
 static const mrt_input input = {plugin_open, glove_channels, glove_read, glove_close, 0};

@@ -100,15 +100,15 @@ static void say_complaints(glove_drive *self, const glove_record *record)
 {
     if (record->is_too_fast)
         glove_drive_tell(self, GLOVE_TOLD_TOO_FAST, MRT_LOG_WARNING,
-                         "%.60s: the glove cannot measure so often: lower its rate",
-                         self->port.name);
+                         "%.60s: the glove cannot measure at this rate: lower it", self->port.name);
     bool is_out = self->status && !(self->status & GLOVE_STATUS_IN);
     if (record->is_unplugged || is_out)
         glove_drive_tell(self, GLOVE_TOLD_UNPLUGGED, MRT_LOG_WARNING,
                          "%.60s: the glove is not plugged into its box", self->port.name);
     if (self->clock.distrusts_stamps)
         glove_drive_tell(self, GLOVE_TOLD_STAMPS, MRT_LOG_WARNING,
-                         "%.60s: the glove's time stamps do not go with time: its rate is used",
+                         "%.60s: the glove's time stamps do not match the computer's clock: its "
+                         "rate is used instead",
                          self->port.name);
 }
 
@@ -201,8 +201,8 @@ static const char *reason_of_silence(const glove_drive *self)
     if (self->unplugged > 1)
         return "the glove is not plugged into its box";
     if (self->bytes_since_good == 0)
-        return "the glove has fallen silent: is it switched off, or out of reach?";
-    return "what the glove sends makes no sense any more: is the cable loose?";
+        return "the glove stopped sending: is it switched off or out of range?";
+    return "the glove sends invalid data: is the cable loose?";
 }
 
 static int64_t quiet_limit_ns(const glove_drive *self)
@@ -216,11 +216,11 @@ static int64_t quiet_limit_ns(const glove_drive *self)
 static mrt_result restart(glove_drive *self, int64_t now_ns)
 {
     const char stop = GLOVE_CTRL_C;
-    trace_note(&self->trace, now_ns, "no records: asked to start again");
+    trace_note(&self->trace, now_ns, "no records: start command sent again");
     self->has_restarted = true;
     self->restarted_ns = now_ns;
     self->resume_ns = now_ns + scaled_ns(self, stop_pause_ms);
-    return glove_port_write(&self->port, &stop, 1) ? MRT_OK : lose(self, "the port is gone");
+    return glove_port_write(&self->port, &stop, 1) ? MRT_OK : lose(self, "the port was closed");
 }
 
 /* What makes no sense was records as well. */
@@ -239,7 +239,7 @@ static mrt_result resume(glove_drive *self)
     glove_clock_restart(&self->clock);
     self->has_asked = false;
     if (!self->unit.is_polled && !glove_start_sending(&self->port, &self->unit))
-        return lose(self, "the port is gone");
+        return lose(self, "the port was closed");
     return MRT_OK;
 }
 
@@ -279,7 +279,8 @@ static mrt_result ask(glove_drive *self, int64_t now_ns)
     bool is_late = self->has_asked || now_ns - due_ns > self->unit.period_ns;
     self->asked_ns = is_late ? now_ns : due_ns;
     self->has_asked = true;
-    return glove_start_sending(&self->port, &self->unit) ? MRT_OK : lose(self, "the port is gone");
+    return glove_start_sending(&self->port, &self->unit) ? MRT_OK
+                                                         : lose(self, "the port was closed");
 }
 
 /* ---- reading ---- */
@@ -387,8 +388,7 @@ static mrt_result open_usb(const attempt *by, const char *usb_path, glove_memory
 {
     if (!glove_find_usb(by->root, usb_path, &memory->port))
         return glove_why_set(by->why, MRT_ERR_IO,
-                             "nothing is plugged in at USB port %.60s: plug the glove in there",
-                             usb_path);
+                             "USB port %.60s is empty: plug the glove in there", usb_path);
     return open_path(by, memory->port.path);
 }
 
@@ -433,10 +433,10 @@ static mrt_result open_found(const attempt *by, const glove_found *port)
     if (result < 0 || is_wanted_hand(by->drive))
         return result;
     glove_drive_end(by->drive);
-    return glove_why_set(by->why, MRT_ERR_UNSUPPORTED,
-                         "%s: its glove says that it is for the other hand: to use it all the "
-                         "same, name it, as in serial:%s",
-                         port->path, port->path);
+    return glove_why_set(
+        by->why, MRT_ERR_UNSUPPORTED,
+        "%s: this glove is for the other hand. To use it anyway, name it, as in serial:%s",
+        port->path, port->path);
 }
 
 static mrt_result open_first(attempt *by, glove_memory *memory)
@@ -454,9 +454,9 @@ static mrt_result open_first(attempt *by, glove_memory *memory)
     }
     if (count == 0)
         return glove_why_set(by->why, MRT_ERR_IO,
-                             "no USB serial port is plugged in: connect the glove, or name its "
-                             "port, as in serial:/dev/ttyS0 or tcp:192.168.1.5:3000");
-    return glove_why_set(by->why, MRT_ERR_IO, "no CyberGlove was found: %s", reasons.text);
+                             "no USB serial port found: connect the glove, or name its port, as in "
+                             "serial:/dev/ttyS0 or tcp:192.168.1.5:3000");
+    return glove_why_set(by->why, MRT_ERR_IO, "no CyberGlove found: %s", reasons.text);
 }
 
 static mrt_result open_again(const attempt *by, glove_memory *memory)
@@ -508,7 +508,7 @@ static mrt_result open_address(attempt *by, const char *address, bool is_again,
     if (path[0] == '/')
         return open_named(by, path, is_again, memory);
     return glove_why_set(by->why, MRT_ERR_ARGUMENT,
-                         "\"%.80s\" is no address of a glove: expected serial:/dev/ttyUSB0, "
+                         "\"%.80s\" is not the address of a glove: expected serial:/dev/ttyUSB0, "
                          "usb:1-1.4:1.0/0, tcp:192.168.1.5:3000, or nothing to look for one",
                          address);
 }

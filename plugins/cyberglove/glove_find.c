@@ -263,6 +263,6 @@ void glove_find_advice(const char *path, char *out, size_t capacity)
                  group->gr_name, group->gr_name);
     else
         snprintf(out, capacity,
-                 "only its owner may open it: run \"sudo chmod a+rw %.96s\", or add a udev rule",
+                 "only its owner can open it: run \"sudo chmod a+rw %.96s\", or add a udev rule",
                  path);
 }

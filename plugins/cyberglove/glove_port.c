@@ -220,7 +220,7 @@ static bool is_pseudo(const char *path)
 
 static mrt_result say_busy(const char *path, const char *holder, glove_why *why)
 {
-    return glove_why_set(why, MRT_ERR_IO, "%s is in use by %s: close that first", path,
+    return glove_why_set(why, MRT_ERR_IO, "%s is in use by %s: close that program first", path,
                          holder[0] ? holder : "another program");
 }
 
@@ -239,9 +239,9 @@ static mrt_result explain(const char *path, int failure, int own, glove_why *why
     case ENOENT:
     case ENODEV:
     case ENXIO:
-        return glove_why_set(why, MRT_ERR_IO, "%s is not there: is the glove plugged in?", path);
+        return glove_why_set(why, MRT_ERR_IO, "%s does not exist: is the glove plugged in?", path);
     default:
-        return glove_why_set(why, MRT_ERR_IO, "%s cannot be opened: %s", path, strerror(failure));
+        return glove_why_set(why, MRT_ERR_IO, "cannot open %s: %s", path, strerror(failure));
     }
 }
 
@@ -321,7 +321,7 @@ static mrt_result take(glove_port *self, const char *path, speed_t code, glove_w
 {
     struct stat about;
     if (fstat(self->file, &about) != 0 || !S_ISCHR(about.st_mode) || !isatty(self->file))
-        return glove_why_set(why, MRT_ERR_UNSUPPORTED, "%s is no serial port", path);
+        return glove_why_set(why, MRT_ERR_UNSUPPORTED, "%s is not a serial port", path);
     mrt_result result = take_alone(self, path, why);
     if (result < 0)
         return result;
@@ -335,7 +335,7 @@ mrt_result glove_port_open_serial(glove_port *self, const char *path, uint32_t b
     snprintf(self->name, sizeof self->name, "%s", path);
     speed_t code;
     if (!speed_code(baud, &code))
-        return glove_why_set(why, MRT_ERR_ARGUMENT, "%u baud is no speed of a CyberGlove", baud);
+        return glove_why_set(why, MRT_ERR_ARGUMENT, "a CyberGlove does not support %u baud", baud);
     self->file = open(path, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (self->file < 0)
         return explain(path, errno, self->file, why);
@@ -444,6 +444,6 @@ mrt_result glove_port_open_tcp(glove_port *self, const char *address, int64_t de
     if (file >= 0)
         close(file);
     return glove_why_set(why, MRT_ERR_IO,
-                         "%.80s: no connection (%s): is the glove on, and in this network?",
+                         "%.80s: no connection (%s): is the glove switched on and in this network?",
                          address, strerror(failure));
 }

@@ -168,10 +168,10 @@ static mrt_result say_silent(const glove_talk *talk, glove_why *why)
 {
     const glove_port *port = talk->port;
     if (port->baud == 0)
-        return glove_why_set(why, MRT_ERR_IO, "%s: connected, but nothing answers", port->name);
+        return glove_why_set(why, MRT_ERR_IO, "%s: connected, but no answer", port->name);
     return glove_why_set(why, MRT_ERR_IO,
-                         "%s: nothing answers at %u baud: is the glove's box switched on, is it "
-                         "set to this speed (old ones to 38400: baud=38400)?",
+                         "%s: no answer at %u baud: is the glove's box switched on and set to this "
+                         "speed? Old boxes need baud=38400",
                          port->name, port->baud);
 }
 
@@ -181,8 +181,8 @@ static mrt_result say_no_glove(const glove_talk *talk, const unsigned char *byte
     char hex[50];
     glove_why_hex(hex, sizeof hex, bytes, count);
     return glove_why_set(why, MRT_ERR_UNSUPPORTED,
-                         "%s: this is no CyberGlove at %u baud; to \"?G\" it says %s: another "
-                         "device, or a glove set to another speed",
+                         "%s: not a CyberGlove at %u baud; it answers \"?G\" with %s. It is "
+                         "another device, or a glove set to another speed",
                          talk->port->name, talk->port->baud, hex);
 }
 
@@ -190,19 +190,19 @@ static mrt_result say_no_glove(const glove_talk *talk, const unsigned char *byte
 static mrt_result end_of(const glove_talk *talk, glove_why *why)
 {
     if (talk->is_stopping)
-        return glove_why_set(why, MRT_ERR_IO, "%s: given up, the program stops", talk->port->name);
-    if (talk->is_gone && talk->port->baud == 0)
-        return glove_why_set(why, MRT_ERR_IO,
-                             "%s closed the connection while it was asked: is the glove in use by "
-                             "another program?",
+        return glove_why_set(why, MRT_ERR_IO, "%s: cancelled because the program quits",
                              talk->port->name);
+    if (talk->is_gone && talk->port->baud == 0)
+        return glove_why_set(
+            why, MRT_ERR_IO,
+            "%s closed the connection during start-up: is the glove in use by another program?",
+            talk->port->name);
     if (talk->is_gone)
-        return glove_why_set(why, MRT_ERR_IO, "%s went away while it was asked: was it unplugged?",
+        return glove_why_set(why, MRT_ERR_IO, "%s disappeared during start-up: was it unplugged?",
                              talk->port->name);
     if (!talk_goes_on(talk))
         return glove_why_set(why, MRT_ERR_IO,
-                             "%s answers so slowly that it was given up; if it is a CyberGlove, "
-                             "switch it off and on",
+                             "%s answers too slowly. If it is a CyberGlove, switch it off and on",
                              talk->port->name);
     return MRT_OK;
 }
@@ -284,13 +284,13 @@ static mrt_result find_sensors(glove_talk *talk, glove_unit *out, glove_why *why
     bool has_any = census.sensor_count > 0 || census.hardware_mask > 0;
     if (!has_any)
         return glove_why_set(why, MRT_ERR_IO,
-                             "%s answered one question like a CyberGlove, and none after it: "
+                             "%s answered the first question like a CyberGlove, but no later one: "
                              "switch it off and on",
                              talk->port->name);
     if (!glove_sensors_find(&census, &out->sensors))
         return glove_why_set(why, MRT_ERR_UNSUPPORTED,
-                             "%s answers like a CyberGlove, but says that it has %u sensors and "
-                             "not which: gloves of 18 and 22 are known",
+                             "%s answers like a CyberGlove, but reports %u sensors and not which "
+                             "ones: only gloves with 18 or 22 are supported",
                              talk->port->name, census.sensor_count);
     return MRT_OK;
 }
@@ -452,14 +452,14 @@ static mrt_result say_no_record(const glove_talk *talk, const glove_unit *unit, 
     const char *name = talk->port->name;
     glove_why_hex(hex, sizeof hex, talk->heard, talk->heard_count);
     if (talk->heard_count == 0)
-        return glove_why_set(why, MRT_ERR_IO, "%s is a CyberGlove, but it sends no records%s", name,
+        return glove_why_set(why, MRT_ERR_IO, "%s is a CyberGlove, but sends no records%s", name,
                              unit->readiness & 2
                                  ? ": switch it off and on"
-                                 : ": it says that no glove is plugged into its box");
-    return glove_why_set(why, MRT_ERR_FORMAT,
-                         "%s is a CyberGlove, but what it sends are no records of %u sensors: %s: "
-                         "switch it off and on",
-                         name, unit->layout.sensor_count, hex);
+                                 : ": it reports that the glove is not plugged into the box");
+    return glove_why_set(
+        why, MRT_ERR_FORMAT,
+        "%s is a CyberGlove, but does not send records of %u sensors: %s: switch it off and on",
+        name, unit->layout.sensor_count, hex);
 }
 
 static int64_t first_limit_ms(const glove_unit *unit)
@@ -471,8 +471,7 @@ static int64_t first_limit_ms(const glove_unit *unit)
 static mrt_result say_no_hand(const glove_talk *talk, glove_why *why)
 {
     return glove_why_set(why, MRT_ERR_IO,
-                         "%s: the box answers, but says that the glove is not plugged into it: "
-                         "plug it in",
+                         "%s: the box answers, but the glove is not plugged into it: plug it in",
                          talk->port->name);
 }
 

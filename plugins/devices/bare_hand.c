@@ -12,12 +12,12 @@ static const char *const side_label[] = {"left", "right", "either", NULL};
 static const char *const wrist_label[] = {"still", "followed", NULL};
 const mrt_param bare_hand_params[BARE_HAND_PARAMS] = {
     [BARE_HAND_SIDE] = {1, MRT_PARAM_STEPPED, "hand", "Hand", "",
-                        "Whose hand performs; either: whichever is seen, as a right one", MRT_LEFT,
-                        BARE_HAND_EITHER, BARE_HAND_EITHER, side_label},
-    [BARE_HAND_WRIST] = {2, MRT_PARAM_STEPPED, "wrist", "Hand", "",
-                         "Whether the wrist nods and turns as the hand does, from how it was first "
-                         "seen",
-                         0, 1, 1, wrist_label},
+                        "Hand that performs; either: the visible one, used as a right hand",
+                        MRT_LEFT, BARE_HAND_EITHER, BARE_HAND_EITHER, side_label},
+    [BARE_HAND_WRIST] =
+        {2, MRT_PARAM_STEPPED, "wrist", "Hand", "",
+         "Whether the wrist follows the tilt and turn of the hand since it was first seen", 0, 1, 1,
+         wrist_label},
 };
 
 static uint32_t wanted_of(const double *params)
@@ -35,7 +35,7 @@ bool bare_hand_can_be_read(const bare_hand *self)
 {
     if (!self->reader)
         device_say(self->host, MRT_LOG_ERROR,
-                   "this program reads no landmarks of hands: a newer marotte does");
+                   "this version of marotte cannot read hand landmarks: use a newer one");
     return self->reader != NULL;
 }
 

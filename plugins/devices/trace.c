@@ -20,7 +20,7 @@ void trace_open(trace *self, const mrt_host *host, const char *source)
     if (self->file >= 0)
         return;
     char text[256];
-    snprintf(text, sizeof text, "MAROTTE_TRACE: %.160s cannot be written: nothing is traced", path);
+    snprintf(text, sizeof text, "MAROTTE_TRACE: cannot write %.160s: tracing is off", path);
     host->log(host, MRT_LOG_WARNING, text);
 }
 

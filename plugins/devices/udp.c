@@ -126,12 +126,13 @@ static int open_socket(const struct addrinfo *address)
 static const char *advice_for_bind(int error)
 {
     if (error == EADDRINUSE)
-        return "another program, or another input under another address, listens there: write the "
-               "same address for all inputs, or another port";
+        return "another program or input already listens there: use the same address for all "
+               "inputs, or another port";
     if (error == EADDRNOTAVAIL)
-        return "this computer has no such address: write 0.0.0.0 for all that it has";
+        return "this computer does not have this address: write 0.0.0.0 to listen on all its "
+               "addresses";
     if (error == EACCES)
-        return "this user may not: choose a port from 1024 on";
+        return "you have no permission: choose port 1024 or above";
     return "choose another port";
 }
 
@@ -140,8 +141,8 @@ int udp_bind(const char *host, uint16_t port, char out_reason[UDP_REASON])
     struct addrinfo *address = find_address(host, port, AI_PASSIVE | AI_NUMERICHOST, out_reason);
     if (!address) {
         snprintf(out_reason, UDP_REASON,
-                 "%.100s is no address of this computer in numbers: write 0.0.0.0:%u to hear other "
-                 "computers, or the port alone to hear this one",
+                 "%.100s is not a numeric address of this computer: write 0.0.0.0:%u to receive "
+                 "from other computers, or only the port to receive from this one",
                  host, (unsigned)port);
         return -1;
     }
@@ -151,7 +152,7 @@ int udp_bind(const char *host, uint16_t port, char out_reason[UDP_REASON])
         (void)setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &receive_bytes, sizeof receive_bytes);
     if (fd < 0 || bind(fd, address->ai_addr, address->ai_addrlen) != 0) {
         int error = errno;
-        snprintf(out_reason, UDP_REASON, "cannot listen at %.100s port %u: %s: %s", host,
+        snprintf(out_reason, UDP_REASON, "cannot listen on %.100s port %u: %s: %s", host,
                  (unsigned)port, strerror(error), advice_for_bind(error));
         udp_close(fd);
         fd = -1;
@@ -459,9 +460,10 @@ mrt_result udp_sender_open(udp_sender *self, const char *address, uint16_t port,
     self->port = port;
     self->refused_ns = 0;
     if (address[0] && !udp_address_parse(self->host_name, &self->port, address, strlen(address))) {
-        device_say(self->host, MRT_LOG_ERROR,
-                   "\"%.100s\" is no address to send to: expected HOST:PORT, as in 192.168.1.20:%u",
-                   address, (unsigned)port);
+        device_say(
+            self->host, MRT_LOG_ERROR,
+            "\"%.100s\" is not an address to send to: expected HOST:PORT, as in 192.168.1.20:%u",
+            address, (unsigned)port);
         return MRT_ERR_ARGUMENT;
     }
     self->socket = udp_connect(self->host_name, self->port, reason);
@@ -484,7 +486,7 @@ mrt_result udp_sender_send(udp_sender *self, const void *bytes, size_t size)
         self->refused_ns = now_ns;
     if (error == 0 || is_passing(error) || error == ENOBUFS) /* no room now, or nobody listens */
         return self->refused_ns && now_ns - self->refused_ns < unheard_ns ? MRT_TIMEOUT : MRT_OK;
-    device_say(self->host, MRT_LOG_ERROR, "nothing reaches %s port %u: %s", self->host_name,
+    device_say(self->host, MRT_LOG_ERROR, "cannot reach %s port %u: %s", self->host_name,
                (unsigned)self->port, strerror(error));
     return MRT_ERR_IO;
 }

@@ -214,7 +214,7 @@ static bool is_wanted(const mrt_plugin *self, const evdev_device *device, uint32
 static const char *advice(int error)
 {
     if (error == EACCES || error == EPERM)
-        return "you may not read it: sudo adduser $USER input, then log in again";
+        return "you have no permission to read it: run sudo adduser $USER input, then log in again";
     return "plug it in again";
 }
 
@@ -232,15 +232,15 @@ static void input_close(mrt_plugin *self)
 static mrt_result say_absent(const mrt_plugin *self, uint32_t count)
 {
     if (self->identity[0])
-        device_say(self->host, MRT_LOG_ERROR, "the gamepad at %.90s is not there: plug it in again",
-                   self->identity);
+        device_say(self->host, MRT_LOG_ERROR,
+                   "the gamepad at %.90s is not connected: plug it in again", self->identity);
     else if (self->address[0])
         device_say(self->host, MRT_LOG_ERROR,
-                   "no gamepad is \"%.60s\", of %u that are plugged in: plug it in, or see what "
-                   "there is with: marotte devices",
+                   "no gamepad matches \"%.60s\" (%u connected): plug it in, or list the devices "
+                   "with: marotte devices",
                    self->address, count);
     else
-        device_say(self->host, MRT_LOG_ERROR, "no gamepad is plugged in: plug one in");
+        device_say(self->host, MRT_LOG_ERROR, "no gamepad found: plug one in");
     return MRT_ERR_IO;
 }
 
@@ -319,8 +319,8 @@ static mrt_result lose(mrt_plugin *self, mrt_sample *out)
         return MRT_OK;
     }
     if (!self->has_told_loss)
-        device_say(self->host, MRT_LOG_ERROR, "%.60s went away: plug it in again, or switch it on",
-                   self->pad.name);
+        device_say(self->host, MRT_LOG_ERROR,
+                   "%.60s was disconnected: plug it in again, or switch it on", self->pad.name);
     self->has_told_loss = true;
     return MRT_ERR_IO;
 }
@@ -466,8 +466,8 @@ static void destroy(mrt_plugin *self)
 
 static const mrt_param params_table[PARAM_COUNT] = {
     [PARAM_DEAD] = {1, 0, "dead", "Gamepad", "%",
-                    "How far a stick or trigger may stand from its rest and still be at rest", 0,
-                    50, 12, NULL},
+                    "Range around the rest of a stick or trigger that counts as rest", 0, 50, 12,
+                    NULL},
 };
 
 static const mrt_input input = {input_open, input_channels, input_read, input_close, 0};
@@ -483,7 +483,8 @@ static const mrt_plugin_type type = {
     "org.marotte.gamepad",
     "Gamepad",
     MAROTTE_VERSION,
-    "Sticks, triggers and buttons, whichever window has the focus; address 2: the second pad",
+    "Sticks, triggers and buttons, even when another window has the focus; address 2: the second "
+    "gamepad",
     create,
     destroy,
 };

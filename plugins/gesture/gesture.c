@@ -205,8 +205,8 @@ static mrt_result activate(mrt_plugin *self, const mrt_face *face)
 
 static void teach(mrt_plugin *self, const double *params)
 {
-    static const char *const told[GESTURES] = {"gesture 1 is taught", "gesture 2 is taught",
-                                               "gesture 3 is taught", "gesture 4 is taught"};
+    static const char *const told[GESTURES] = {"gesture 1 learned", "gesture 2 learned",
+                                               "gesture 3 learned", "gesture 4 learned"};
     recogniser *r = &self->recogniser;
     if (params[FORGET] > 0.5)
         memcpy(r->taught, shipped, sizeof r->taught);
@@ -217,7 +217,7 @@ static void teach(mrt_plugin *self, const double *params)
             self->host->log(self->host, MRT_LOG_INFO, told[g]);
         else
             self->host->log(self->host, MRT_LOG_WARNING,
-                            "no hand is there to be taught: hold the gesture, then teach it");
+                            "no hand detected: hold the gesture, then press Teach");
     }
 }
 
@@ -290,7 +290,7 @@ static mrt_result load_taught(mrt_plugin *self, const void *bytes, size_t size)
     const memory_list list = list_of(self->stored);
     if (!memory_load(&list, bytes, size)) {
         self->host->log(self->host, MRT_LOG_ERROR,
-                        "what was stored are no gestures: teach them again");
+                        "the stored gestures are damaged: teach them again");
         return MRT_ERR_FORMAT;
     }
     memcpy(self->recogniser.taught, self->stored, sizeof self->stored);
@@ -337,13 +337,12 @@ static const char *const action_labels[EXPRESSION_COUNT + 1] = {
 #define TEACH_PARAM(id, name, what)                                                                \
     {                                                                                              \
         id, MRT_PARAM_TRIGGER, name, "Teach", "",                                                  \
-            "This gesture is the way in which the hand was held in the last 0.3 s; at "            \
-            "first: " what ".",                                                                    \
-            0, 1, 0, NULL                                                                          \
+            "Learn this gesture from the hand pose of the last 0.3 s. Default: " what ".", 0, 1,   \
+            0, NULL                                                                                \
     }
 #define ACTION_PARAM(id, name, initial)                                                            \
     {                                                                                              \
-        id, MRT_PARAM_STEPPED, name, "Action", "", "What the face does when it is made.", 0,       \
+        id, MRT_PARAM_STEPPED, name, "Action", "", "Action of the face for this gesture.", 0,      \
             EXPRESSION_COUNT - 1, initial, action_labels                                           \
     }
 
@@ -354,24 +353,24 @@ static const mrt_param params[PARAM_COUNT] = {
     TEACH_PARAM(3, "Teach 2", "a pointing index finger"),
     TEACH_PARAM(4, "Teach 3", "a flat hand, spread"),
     TEACH_PARAM(5, "Teach 4", "ring and little finger stretched"),
-    {6, MRT_PARAM_TRIGGER, "Forget", "Teach", "", "All gestures are as they were at first.",
+    {6, MRT_PARAM_TRIGGER, "Forget", "Teach", "", "Reset all gestures to their defaults.",
      0, 1, 0, NULL},
     ACTION_PARAM(7, "Gesture 1", EXPRESSION_JAW_OPEN),
     ACTION_PARAM(8, "Gesture 2", EXPRESSION_BROWS_UP),
     ACTION_PARAM(9, "Gesture 3", EXPRESSION_SMILE),
     ACTION_PARAM(10, "Gesture 4", EXPRESSION_BLINK),
-    {11, 0, "Attack", "Action", "s", "How long it takes to come.", 0.01, 3, 0.15, NULL},
-    {12, 0, "Hold", "Action", "s", "How long it stays.", 0.01, 10, 0.2, NULL},
-    {13, 0, "Release", "Action", "s", "How long it takes to go.", 0.01, 5, 0.35, NULL},
+    {11, 0, "Attack", "Action", "s", "Time in which the action fades in.", 0.01, 3, 0.15, NULL},
+    {12, 0, "Hold", "Action", "s", "Time for which the action stays.", 0.01, 10, 0.2, NULL},
+    {13, 0, "Release", "Action", "s", "Time in which the action fades out.", 0.01, 5, 0.35, NULL},
     {14, MRT_PARAM_STEPPED, "Sustain", "Action", "",
-     "Whether it stays for as long as the gesture is held.", 0, 1, 1, off_on},
-    {15, 0, "Amount", "Action", "%", "How much of it.", 0, 120, 100, NULL},
+     "Keep the action while the gesture is held.", 0, 1, 1, off_on},
+    {15, 0, "Amount", "Action", "%", "Strength of the action.", 0, 120, 100, NULL},
     {16, 0, "Reject", "Recognition", "deg",
-     "A hand further from a gesture than this does not make it: root mean square of its joints.",
+     "Largest distance from a gesture that still makes it: root mean square of the joint angles.",
      1, 40, 8, NULL},
     {17, 0, "Leave", "Recognition", "deg",
-     "A hand further from its gesture than this has left it.", 1, 60, 10, NULL},
-    {18, 0, "Dwell", "Recognition", "s", "How long a gesture is held before it counts.",
+     "Distance from a gesture at which it ends.", 1, 60, 10, NULL},
+    {18, 0, "Dwell", "Recognition", "s", "Time for which a gesture must be held before it counts.",
      0, 2, 0.1, NULL},
 };
 /* clang-format on */
@@ -392,7 +391,7 @@ static const mrt_plugin_type type = {
     "org.marotte.gesture",
     "Gesture",
     "1.0",
-    "Taught gestures of the hand set off a blink, a nod, a smile.",
+    "Learned hand gestures trigger a blink, a nod or a smile.",
     create,
     mapping_destroy,
 };

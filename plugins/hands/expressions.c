@@ -168,8 +168,8 @@ bool expressions_find(expressions *out, const mrt_face *face, const mrt_host *ho
         find_turns(out, face, &turn_parts[i]);
     if (out->contact_count + out->dof_count == 0) {
         host->log(host, MRT_LOG_ERROR,
-                  "the face has no contact and no degree of freedom to make a face with "
-                  "(mouth.corner.l, jaw.open ...): take a face with a rig, see rigs/README.md");
+                  "the face has no contact or degree of freedom for expressions (mouth.corner.l, "
+                  "jaw.open ...): open a face with a rig, see rigs/README.md");
         return false;
     }
     report_missing(out, host);

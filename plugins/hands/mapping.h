@@ -114,13 +114,13 @@ extern const char *const clutch_release_labels[];
 /* clang-format off */
 #define CLUTCH_PARAMS CLUTCH_PARAMS_WITH(0)
 #define CLUTCH_PARAMS_WITH(on_release) \
-    {20, MRT_PARAM_STEPPED, "Start", "Clutch", "", "When the hands first take hold of the face.", \
+    {20, MRT_PARAM_STEPPED, "Start", "Clutch", "", "When the hands first engage the face.", \
      0, 1, 0, clutch_start_labels}, \
     {21, MRT_PARAM_TRIGGER, "Engage", "Clutch", "", \
-     "Takes hold where the hands are now; the face does not jump.", 0, 1, 0, NULL}, \
-    {22, MRT_PARAM_TRIGGER, "Release", "Clutch", "", "Lets go of the face.", 0, 1, 0, NULL}, \
+     "Engage the hands where they are now. The face does not jump.", 0, 1, 0, NULL}, \
+    {22, MRT_PARAM_TRIGGER, "Release", "Clutch", "", "Release the face.", 0, 1, 0, NULL}, \
     {23, MRT_PARAM_TRIGGER, "Commit", "Clutch", "", \
-     "Keeps the shape shown as the new base, and takes hold anew.", 0, 1, 0, NULL}, \
+     "Keep the current shape as the new base and engage again.", 0, 1, 0, NULL}, \
     {24, MRT_PARAM_STEPPED, "Engage pedal", "Clutch", "", "Pedal that engages.", \
      0, 4, 0, clutch_pedal_labels}, \
     {25, MRT_PARAM_STEPPED, "Release pedal", "Clutch", "", "Pedal that releases.", \
@@ -128,9 +128,9 @@ extern const char *const clutch_release_labels[];
     {26, MRT_PARAM_STEPPED, "Commit pedal", "Clutch", "", "Pedal that commits.", \
      0, 4, 0, clutch_pedal_labels}, \
     {27, MRT_PARAM_STEPPED, "On release", "Clutch", "", \
-     "Hold: the face stays as it is. Spring back: it eases back to its base.", \
+     "Hold: the face keeps its shape. Spring back: it eases back to its base.", \
      0, 1, on_release, clutch_release_labels}, \
-    {28, 0, "Release time", "Clutch", "s", "How long springing back takes.", 0.02, 5, 0.25, NULL}
+    {28, 0, "Release time", "Clutch", "s", "Duration of springing back.", 0.02, 5, 0.25, NULL}
 /* clang-format on */
 
 typedef struct clutch {
@@ -160,7 +160,7 @@ float clutch_release_rate(const double *params);
 extern const char *const performing_hand_labels[];
 #define PERFORMING_HAND_PARAM(id)                                                                  \
     {                                                                                              \
-        id, MRT_PARAM_STEPPED, "Hand", "Hand", "", "Which hand performs.", 0, 2, 0,                \
+        id, MRT_PARAM_STEPPED, "Hand", "Hand", "", "Hand that performs.", 0, 2, 0,                 \
             performing_hand_labels                                                                 \
     }
 

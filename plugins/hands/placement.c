@@ -219,8 +219,8 @@ void placement_share(placement *self, const mrt_host *host, const mrt_vec3 *poin
     }
     if (shared_count > 0 && !self->has_told)
         host->log(host, MRT_LOG_WARNING,
-                  "fingertips are laid so near to each other that they share a place of the face: "
-                  "it follows their mean; lay the hands further apart, or make the radius smaller");
+                  "some fingertips share one point of the face, which follows their mean: move the "
+                  "hands further apart, or reduce the radius");
     self->has_told |= shared_count > 0;
 }
 

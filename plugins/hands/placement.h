@@ -30,31 +30,31 @@ extern const char *const placement_posture_labels[];
 /* clang-format off */
 #define PLACEMENT_PARAMS PLACEMENT_PARAMS_WITH(0, 0, 90, 36, 95, 0, -45)
 #define PLACEMENT_PARAMS_WITH(palm, posture, size, up, depth, apart, roll) \
-    {1, MRT_PARAM_STEPPED, "Hands", "Points", "", "Which hands pull.", \
+    {1, MRT_PARAM_STEPPED, "Hands", "Points", "", "Hands that pull.", \
      0, 2, 0, placement_hands_labels}, \
-    {2, MRT_PARAM_STEPPED, "Palm", "Points", "", "Whether eight points of the palm pull too.", \
+    {2, MRT_PARAM_STEPPED, "Palm", "Points", "", "Pull with eight points of the palm too.", \
      0, 1, palm, placement_off_on_labels}, \
     {3, MRT_PARAM_STEPPED, "Posture", "Placement", "", \
-     "In the head: fingers point out of the face, as in a puppet. Before the face: palm towards " \
+     "In the head: fingers point out of the face, as in a puppet. Before the face: palm to " \
      "the face, fingers up.", 0, 1, posture, placement_posture_labels}, \
     {4, 0, "Size", "Placement", "%", \
      "Length of the hand, in per cent of the face's height.", 10, 300, size, NULL}, \
     {5, 0, "Across", "Placement", "%", \
-     "Where the fingertips are laid: 0 the subject's right edge of the face, 100 the left.", \
+     "Position of the fingertips: 0 the subject's right edge of the face, 100 the left.", \
      -100, 200, 50, NULL}, \
     {6, 0, "Up", "Placement", "%", \
-     "Where the fingertips are laid: 0 the lower edge of the face, 100 the top.", \
+     "Position of the fingertips: 0 the lower edge of the face, 100 the top.", \
      -100, 200, up, NULL}, \
     {7, 0, "Depth", "Placement", "%", \
-     "Where the fingertips are laid: 0 the back, 100 the front.", -100, 200, depth, NULL}, \
+     "Position of the fingertips: 0 the back, 100 the front.", -100, 200, depth, NULL}, \
     {8, 0, "Apart", "Placement", "%", \
-     "With both hands: how far apart they are laid, in per cent of the face's width; 0: side by " \
-     "side as its width allows, smaller if need be, thumbs down, fingers up.", \
+     "Distance of two hands, in per cent of the face's width. 0: side by side, scaled to fit, " \
+     "thumbs down, fingers up.", \
      0, 200, apart, NULL}, \
-    {9, 0, "Pitch", "Placement", "deg", "Turns the hand: fingertips up.", -180, 180, 0, NULL}, \
-    {10, 0, "Yaw", "Placement", "deg", "Turns the hand: fingertips to the thumb's side.", \
+    {9, 0, "Pitch", "Placement", "deg", "Turn the hand: fingertips up.", -180, 180, 0, NULL}, \
+    {10, 0, "Yaw", "Placement", "deg", "Turn the hand: fingertips to the thumb's side.", \
      -180, 180, 0, NULL}, \
-    {11, 0, "Roll", "Placement", "deg", "Turns the hand about its fingers: thumb up.", \
+    {11, 0, "Roll", "Placement", "deg", "Turn the hand about its fingers: thumb up.", \
      -180, 180, roll, NULL}
 /* clang-format on */
 
@@ -113,14 +113,14 @@ extern const char *const solver_preset_labels[];
 /* clang-format off */
 #define SOLVER_PARAMS                                                                              \
     {40, MRT_PARAM_STEPPED, "Preset", "Solver", "",                                                \
-     "Paper: gain 1, a linear polynomial, no soft reach, one step a sample, nothing held back.",   \
+     "Paper: gain 1, linear polynomial, no soft reach, one step per sample, no limits.",   \
      0, 1, 0, solver_preset_labels},                                                               \
     {41, 0, "Radius mm", "Solver", "mm",                                                           \
      "Support radius of each point; 0: the radius in per cent of the face's height.",              \
      0, 1000, 0, NULL},                                                                            \
     {42, 0, "Stretch", "Solver", "times",                                                          \
-     "An edge of the skin is stretched so many times at most, and nothing folds: less is given "   \
-     "then; 0: never.",                                                                            \
+     "Largest stretch of an edge of the skin. A pull that stretches more, or folds, is reduced. "  \
+     "0: no limit.",                                                                               \
      0, 50, 8, NULL}
 /* clang-format on */
 

@@ -40,9 +40,8 @@ static void say_damage(const mrt_plugin *self, const char *path)
 {
     const log_data *data = &self->data;
     char text[LOG_REASON + 256];
-    snprintf(text, sizeof text,
-             "%.120s: %zu of %zu records are damaged and left out, first line %zu: %s", path,
-             data->damaged_count, data->damaged_count + data->record_count,
+    snprintf(text, sizeof text, "%.120s: skipped %zu of %zu records as damaged, first line %zu: %s",
+             path, data->damaged_count, data->damaged_count + data->record_count,
              data->first_damaged_line, data->first_damage);
     say(self, MRT_LOG_WARNING, text);
 }
@@ -91,8 +90,8 @@ static void say_if_counts_are_mirrored(const mrt_plugin *self)
     for (uint32_t i = 0; i < self->data.channel_count; ++i)
         if (strcmp(self->data.unit[i], "count") == 0) {
             say(self, MRT_LOG_WARNING,
-                "mirror=1: this log holds a glove's raw values, which the other hand's calibration "
-                "does not fit; mirror a log in rad or deg");
+                "mirror=1: this log has raw glove values, which do not fit the other hand's "
+                "calibration: mirror a log in rad or deg");
             return;
         }
 }
@@ -256,7 +255,7 @@ static void say_once_if_empty(mrt_plugin *self)
     if (self->sequence > 0 || self->told_empty)
         return;
     self->told_empty = true;
-    say(self, MRT_LOG_WARNING, "no record lies between start and end");
+    say(self, MRT_LOG_WARNING, "the log has no records between start and end");
 }
 
 static void fill_sample(mrt_plugin *self, int64_t time_ns, mrt_sample *out)
@@ -331,20 +330,18 @@ static const char *const mirror_label[] = {"as recorded", "the other hand", NULL
 static const char *const loop_label[] = {"once", "again and again", NULL};
 
 static const mrt_param params[PARAM_COUNT] = {
-    [PARAM_SPEED] = {1, 0, "speed", "Playback", "times", "How fast the log is played", 0.1, 8.0,
-                     1.0, NULL},
-    [PARAM_LOOP] = {2, MRT_PARAM_STEPPED, "loop", "Playback", "",
-                    "Whether it starts again at its end", 0, 1, 0, loop_label},
-    [PARAM_START] = {3, 0, "start", "Playback", "s", "Where in the log to start", 0, 100000, 0,
+    [PARAM_SPEED] = {1, 0, "speed", "Playback", "times", "Playback speed", 0.1, 8.0, 1.0, NULL},
+    [PARAM_LOOP] = {2, MRT_PARAM_STEPPED, "loop", "Playback", "", "Repeat the log at its end", 0, 1,
+                    0, loop_label},
+    [PARAM_START] = {3, 0, "start", "Playback", "s", "Start position in the log", 0, 100000, 0,
                      NULL},
-    [PARAM_END] = {4, 0, "end", "Playback", "s", "Where in the log to stop; 0 is its end", 0,
-                   100000, 0, NULL},
+    [PARAM_END] = {4, 0, "end", "Playback", "s", "End position in the log; 0: its end", 0, 100000,
+                   0, NULL},
     [PARAM_HAND] = {5, MRT_PARAM_STEPPED, "hand", "Playback", "",
-                    "Whose hand it is, if the log does not say so", MRT_LEFT, MRT_RIGHT, MRT_RIGHT,
+                    "Hand of the log, if the log does not name it", MRT_LEFT, MRT_RIGHT, MRT_RIGHT,
                     hand_label},
     [PARAM_MIRROR] = {6, MRT_PARAM_STEPPED, "mirror", "Playback", "",
-                      "Plays the recording as the other hand's, as a mirror shows it", 0, 1, 0,
-                      mirror_label},
+                      "Mirror the recording: play it as the other hand", 0, 1, 0, mirror_label},
 };
 
 static const mrt_input input = {log_open, log_channels, log_read, log_close, MRT_INPUT_RECORDED};
@@ -362,7 +359,7 @@ static const mrt_plugin_type type = {
     "org.marotte.log",
     "Log",
     MAROTTE_VERSION,
-    "Plays a recorded hand: marotte's own logs and the recordings of GraspDB14",
+    "Plays a recorded hand: marotte logs and GraspDB14 recordings",
     log_create,
     log_destroy,
 };

@@ -255,7 +255,7 @@ static mrt_result read_words(log_text line, double *out, char *out_reason)
         if (count < WORDS && !log_text_number(word, &out[count])) {
             char text[LOG_NAME];
             text_copy(text, sizeof text, word);
-            return log_refuse(out_reason, "word %d is no number: \"%s\"", count + 1, text);
+            return log_refuse(out_reason, "word %d is not a number: \"%s\"", count + 1, text);
         }
         count += 1;
     }
@@ -272,7 +272,7 @@ static mrt_result log_recording_record(log_text line, log_record *out, char *out
     if (result < 0)
         return result;
     if (!time_of(word, &out->time_ns))
-        return log_refuse(out_reason, "its date and time make no sense");
+        return log_refuse(out_reason, "its date or time is invalid");
     const double *angle = word + WORD_FIRST_ANGLE;
     for (int i = 0; i < ANGLES; ++i)
         if (!(angle[i] >= -LOG_ANGLE_MAX && angle[i] <= LOG_ANGLE_MAX))
@@ -344,15 +344,16 @@ static mrt_result add_column(log_table *table, log_data *data, log_text field, c
     char name[LOG_NAME];
     text_copy(name, sizeof name, field);
     if (i == MRT_MAX_CHANNELS)
-        return log_refuse(out_reason,
-                          "more than %d columns beside the time, from \"%s\" on: split the file",
-                          MRT_MAX_CHANNELS, name);
+        return log_refuse(
+            out_reason,
+            "more than %d columns besides the time, starting with \"%s\": split the file",
+            MRT_MAX_CHANNELS, name);
     if (name[0] == '\0' || strlen(name) != (size_t)(field.end - field.at))
-        return log_refuse(out_reason, "the name of column %u has no or more than %d letters",
+        return log_refuse(out_reason, "the name of column %u is empty or longer than %d letters",
                           i + 2u, LOG_NAME - 1);
     for (uint32_t k = 0; k < i; ++k)
         if (strcmp(data->name[k], name) == 0)
-            return log_refuse(out_reason, "two columns are called \"%s\"", name);
+            return log_refuse(out_reason, "two columns have the name \"%s\"", name);
     meaning m = meaning_of(name);
     table->scale[i] = 1.0;
     table->limit[i] = is_angle(m.semantic) ? LOG_ANGLE_MAX : OTHER_MAX;
@@ -381,7 +382,7 @@ static mrt_result log_table_header(log_table *table, log_data *data, log_text li
             return result;
     }
     if (data->channel_count == 0)
-        return log_refuse(out_reason, "the header names no column beside the time");
+        return log_refuse(out_reason, "the header has no column besides the time");
     return MRT_OK;
 }
 
@@ -455,9 +456,8 @@ static mrt_result check_hands(const log_data *data, char *out_reason)
             if (data->channel[i].hand != hand || !is_angle(data->channel[i].semantic))
                 continue;
             if (unit && strcmp(unit, data->unit[i]) != 0)
-                return log_refuse(out_reason,
-                                  "the sensors of one hand are partly in %s, partly in %s", unit,
-                                  data->unit[i]);
+                return log_refuse(out_reason, "the sensors of one hand use two units: %s and %s",
+                                  unit, data->unit[i]);
             unit = data->unit[i];
         }
     }
@@ -474,14 +474,13 @@ static mrt_result log_table_units(log_table *table, log_data *data, log_text lin
     uint32_t count = 0;
     while (next_field(&line, &unit)) {
         if (count == data->channel_count)
-            return log_refuse(out_reason, "there are more units than columns");
+            return log_refuse(out_reason, "more units than columns");
         mrt_result result = set_unit(table, data, count++, unit, out_reason);
         if (result < 0)
             return result;
     }
     if (count != data->channel_count)
-        return log_refuse(out_reason, "there are %u units for %u columns", count,
-                          data->channel_count);
+        return log_refuse(out_reason, "%u units for %u columns", count, data->channel_count);
     mrt_result result = check_hands(data, out_reason);
     return result < 0 ? result : 1;
 }
@@ -495,10 +494,10 @@ static mrt_result read_time(const log_table *table, log_text field, int64_t *out
     if (table->time_in_ns) {
         if (read_integer(field, out_ns))
             return MRT_OK;
-        return log_refuse(out_reason, "its time_ns is no whole number within +-4e18");
+        return log_refuse(out_reason, "its time_ns is not a whole number within +-4e18");
     }
     if (!log_text_number(field, &seconds) || !(seconds >= -TIME_MAX_S && seconds <= TIME_MAX_S))
-        return log_refuse(out_reason, "its time_s is no number within +-1e8");
+        return log_refuse(out_reason, "its time_s is not a number within +-1e8");
     double ns = seconds * 1e9;
     *out_ns = (int64_t)(ns < 0.0 ? ns - 0.5 : ns + 0.5);
     return MRT_OK;
@@ -509,7 +508,7 @@ static mrt_result read_value(const log_table *table, const log_data *data, uint3
 {
     double value;
     if (!log_text_number(field, &value))
-        return log_refuse(out_reason, "its \"%s\" is no number", data->name[i]);
+        return log_refuse(out_reason, "its \"%s\" is not a number", data->name[i]);
     value *= table->scale[i];
     if (!(value >= -table->limit[i] && value <= table->limit[i]))
         return log_refuse(out_reason, "its \"%s\" is out of range", data->name[i]);
@@ -565,7 +564,7 @@ static mrt_result grow(reader *self)
     if (value)
         data->value = value;
     if (!time_ns || !value) {
-        log_refuse(self->reason, "no memory for %zu records", capacity);
+        log_refuse(self->reason, "out of memory for %zu records", capacity);
         return MRT_ERR_MEMORY;
     }
     self->capacity = capacity;
@@ -579,9 +578,9 @@ static mrt_result append(reader *self, const log_record *record)
         self->first_ns = record->time_ns;
     int64_t time_ns = record->time_ns - self->first_ns;
     if (data->record_count > 0 && time_ns < data->time_ns[data->record_count - 1])
-        return log_refuse(self->reason, "its time lies before that of the record above");
+        return log_refuse(self->reason, "its time is before that of the previous record");
     if (time_ns > LENGTH_MAX_NS)
-        return log_refuse(self->reason, "its time lies more than eleven days after the first");
+        return log_refuse(self->reason, "its time is more than eleven days after the first");
     if (data->record_count == self->capacity) {
         mrt_result result = grow(self);
         if (result < 0)
@@ -703,7 +702,7 @@ mrt_result log_parse(log_data *out, const void *bytes, size_t size, uint32_t han
     if (size == 0)
         return log_refuse(out_reason, "it is empty");
     if (is_binary(bytes, size))
-        return log_refuse(out_reason, "it is no text");
+        return log_refuse(out_reason, "it is not text");
     const char *at = bytes;
     reader self = {.data = out};
     mrt_result result = read_lines(&self, without_byte_order_mark((log_text){at, at + size}), hand);
@@ -770,7 +769,7 @@ static mrt_result read_all(log_file *out, int descriptor, size_t size, char *out
 {
     out->data = malloc(size + 1);
     if (!out->data)
-        return refuse(out_reason, MRT_ERR_MEMORY, "there is no memory for it");
+        return refuse(out_reason, MRT_ERR_MEMORY, "out of memory");
     while (out->size < size) {
         ssize_t count = read(descriptor, out->data + out->size, size - out->size);
         if (count < 0 && errno == EINTR)

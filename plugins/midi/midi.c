@@ -110,10 +110,10 @@ static void save_table(mrt_plugin *self)
     if (file >= 0)
         is_written &= close(file) == 0;
     if (!is_written || rename(fresh, path) != 0)
-        device_say(self->host, MRT_LOG_WARNING,
-                   "%.200s cannot be written (%s): its controls are "
-                   "found again as they are moved",
-                   path, strerror(errno));
+        device_say(
+            self->host, MRT_LOG_WARNING,
+            "cannot write %.200s (%s): move each control once in the next session to find it again",
+            path, strerror(errno));
 }
 
 /* ---- opening ---- */
@@ -176,9 +176,9 @@ static mrt_result open_afresh(mrt_plugin *self, const char *address)
         load_table(self);
     }
     if (self->port.seq && self->name[0] == '\0')
-        device_say(self->host, MRT_LOG_INFO,
-                   "no MIDI device is plugged in: plug one in, or connect a program to the port "
-                   "\"marotte\"");
+        device_say(
+            self->host, MRT_LOG_INFO,
+            "no MIDI device found: plug one in, or connect a program to the port \"marotte\"");
     self->chunk_size = self->chunk_at = 0;
     self->has_event = false;
     midi_parser_init(&self->parser, self->opened_fine);
@@ -246,11 +246,12 @@ static void learn(mrt_plugin *self, midi_control control)
     midi_control_name(control, name);
     if (self->learn_count == LEARN_TIMES) {
         device_say(self->host, MRT_LOG_WARNING,
-                   "%s is new, and a channel when the input is opened again", name);
+                   "%s is a new control. It becomes a channel when the input is opened again",
+                   name);
         return;
     }
     self->learn_due_ns = self->chunk_ns + learn_ns;
-    device_say(self->host, MRT_LOG_DEBUG, "%s is new", name);
+    device_say(self->host, MRT_LOG_DEBUG, "new control: %s", name);
 }
 
 static void move(mrt_plugin *self, const midi_event *event)
@@ -267,7 +268,7 @@ static void move(mrt_plugin *self, const midi_event *event)
     } else if (heard < 0 && !self->has_told_full) {
         self->has_told_full = true;
         device_say(self->host, MRT_LOG_WARNING,
-                   "%u controls have been heard, and more is not possible: forget=1 begins anew",
+                   "the limit of %u controls is reached: set forget=1 to start again",
                    self->table.heard_count);
     }
     if (heard >= 0) {
@@ -435,7 +436,7 @@ static mrt_result lose(mrt_plugin *self, mrt_sample *out)
     if (self->is_touched)
         return give(self, self->host->now_ns(self->host), out);
     if (!self->has_told_loss)
-        device_say(self->host, MRT_LOG_ERROR, "%.100s went away: plug it in again",
+        device_say(self->host, MRT_LOG_ERROR, "%.100s was disconnected: plug it in again",
                    self->name[0] ? self->name : self->address);
     self->has_told_loss = true;
     return MRT_ERR_IO;
@@ -474,7 +475,7 @@ static bool act(mrt_plugin *self, int64_t now_ns, mrt_sample *out)
     if (now_ns >= self->sensing_due_ns) {
         self->sensing_due_ns = INT64_MAX;
         device_say(self->host, MRT_LOG_WARNING,
-                   "%.100s does not say any more that it is there: its notes and pedals are up",
+                   "%.100s stopped its active sensing messages: its notes and pedals are released",
                    self->name[0] ? self->name : self->address);
         release(self, MIDI_ALL_CHANNELS);
     }
@@ -579,17 +580,15 @@ static void destroy(mrt_plugin *self)
 static const char *const switch_label[] = {"off", "on", NULL};
 static const mrt_param params_table[PARAM_COUNT] = {
     [PARAM_FINE] = {1, MRT_PARAM_STEPPED, "fine", "MIDI", "",
-                    "Whether controllers 32 to 63 are the low bits of 0 to 31, for faders of 14 "
-                    "bits",
-                    0, 1, 0, switch_label},
+                    "Use controllers 32 to 63 as the low bits of 0 to 31, for 14-bit faders", 0, 1,
+                    0, switch_label},
     [PARAM_MOTOR] = {2, MRT_PARAM_STEPPED, "motor", "MIDI", "",
-                     "Whether faders get their value back, as motor faders want it", 0, 1, 0,
-                     switch_label},
+                     "Send values back to the faders, for motor faders", 0, 1, 0, switch_label},
     [PARAM_PEDALS] = {3, MRT_PARAM_STEPPED, "pedals", "MIDI", "",
-                      "Whether the pedals of a piano (controllers 64, 66, 67) are pedals 1 to 3", 0,
-                      1, 0, switch_label},
+                      "Use the pedals of a piano (controllers 64, 66, 67) as pedals 1 to 3", 0, 1,
+                      0, switch_label},
     [PARAM_FORGET] = {4, MRT_PARAM_TRIGGER, "forget", "MIDI", "",
-                      "Forgets which controls this device has been heard to have", 0, 1, 0, NULL},
+                      "Forget the controls found on this device", 0, 1, 0, NULL},
 };
 
 static const mrt_input input = {input_open, input_channels, input_read, input_close, 0};

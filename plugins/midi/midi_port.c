@@ -23,13 +23,13 @@ static const char *advice(int error)
     case ENOENT:
     case ENODEV:
     case ENXIO:
-        return "nothing is there: plug it in, or see what there is with: marotte devices";
+        return "it does not exist: plug it in, or list the devices with: marotte devices";
     case EACCES:
     case EPERM:
-        return "you may not open it: sudo adduser $USER audio, then log in again";
+        return "you have no permission to open it: run sudo adduser $USER audio, then log in again";
     case EBUSY:
     case EAGAIN:
-        return "another program has it: end that, or name it as a port of the sequencer";
+        return "another program uses it: close that program, or use the device's sequencer port";
     default:
         return strerror(error);
     }
@@ -71,8 +71,8 @@ static int raw_open(const char *path, char out_name[MIDI_PORT_NAME], bool *out_c
         error = errno;
     } else if (!S_ISCHR(about.st_mode) && !S_ISFIFO(about.st_mode)) {
         (void)snprintf(out_reason, MIDI_REASON,
-                       "%.100s is neither a device nor a pipe: make one with mkfifo, and send "
-                       "MIDI bytes into it",
+                       "%.100s is neither a device nor a pipe: create a pipe with mkfifo and write "
+                       "MIDI bytes to it",
                        path);
         return -1;
     } else {
@@ -302,8 +302,8 @@ static midi_seq *seq_open(const char *wanted, char out_name[MIDI_PORT_NAME],
     out_name[0] = '\0';
     if (!self || !join(self)) {
         (void)snprintf(out_reason, MIDI_REASON,
-                       "ALSA's sequencer cannot be joined: is snd-seq loaded, and may this user "
-                       "open %s (group audio)?",
+                       "cannot open the ALSA sequencer: is snd-seq loaded, and can this user open "
+                       "%s (group audio)?",
                        node);
         seq_close(self);
         return NULL;
@@ -317,10 +317,10 @@ static midi_seq *seq_open(const char *wanted, char out_name[MIDI_PORT_NAME],
     if (!is_found && self->wants_any)
         return self;
     (void)snprintf(out_reason, MIDI_REASON,
-                   is_found ? "the MIDI port \"%.100s\" cannot be connected: another program has "
-                              "it for itself: end that"
-                            : "no MIDI port is called \"%.100s\": plug it in, or see what there is "
-                              "with: marotte devices",
+                   is_found ? "cannot connect the MIDI port \"%.100s\": another program uses it "
+                              "exclusively: close that program"
+                            : "no MIDI port has the name \"%.100s\": plug it in, or list the "
+                              "devices with: marotte devices",
                    wanted);
     seq_close(self);
     return NULL;
@@ -501,8 +501,7 @@ bool midi_port_open(midi_port *self, const char *wanted, char out_name[MIDI_PORT
         (void)snprintf(out_reason, MIDI_REASON,
                        "%s%.100s%s: this system has no MIDI sequencer (/dev/snd/seq): name a "
                        "device or a pipe, as in midi:/dev/snd/midiC1D0",
-                       wanted[0] ? "\"" : "no MIDI device is plugged in", wanted,
-                       wanted[0] ? "\"" : "");
+                       wanted[0] ? "\"" : "no MIDI device found", wanted, wanted[0] ? "\"" : "");
         return false;
     }
     self->descriptor = raw_open(wanted, out_name, &self->can_write, out_reason);

@@ -170,7 +170,7 @@ static void report_parts(const fitting *self, const mrt_host *host)
                            parts[i].name);
     }
     const size_t used = strlen(line);
-    (void)snprintf(line + used, sizeof line - used, " to move: the hand moves the rest");
+    (void)snprintf(line + used, sizeof line - used, ": the hand moves the other parts");
     if (count > 0)
         host->log(host, MRT_LOG_WARNING, line);
 }

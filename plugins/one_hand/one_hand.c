@@ -571,7 +571,7 @@ static void find_neutral(mrt_plugin *self, const reading *now, const double *par
     if (wants_stored && !self->has_told_no_neutral) {
         self->has_told_no_neutral = true;
         self->host->log(self->host, MRT_LOG_WARNING,
-                        "no neutral pose is stored for this hand: takes the pose at engage");
+                        "no neutral pose is stored for this hand: the pose at engage is used");
     }
     uint32_t *count = &self->sample_count[self->side];
     *count += 1;
@@ -832,8 +832,8 @@ static void learn_faces(mrt_plugin *self)
 static const char *const verdict_words[] = {
     [OWN_HANDS_NONE] = "The hand poses are the default ones.",
     [OWN_HANDS_TAKEN] = "Your hand poses are in use.",
-    [OWN_HANDS_NONSENSE] = "Your hand poses do not follow the faces: the default ones stay in use. "
-                           "Undo, or answer the same face again."};
+    [OWN_HANDS_NONSENSE] = "Your hand poses do not match the faces, so the default ones stay in "
+                           "use. Press Undo, or answer the same face again."};
 
 /* [frame] A half of a millisecond. */
 static void follow_answers(mrt_plugin *self, device_kind device)
@@ -890,16 +890,16 @@ static mrt_result activate(mrt_plugin *self, const mrt_face *face)
     if (!fitting_find(&self->fitting, face)) {
         self->host->log(
             self->host, MRT_LOG_ERROR,
-            "the face has no contact and no degree of freedom that one hand could move "
-            "(mouth.corner.l, jaw.open ...): take a face with a rig, see rigs/README.md");
+            "the face has no contact or degree of freedom that one hand can move (mouth.corner.l, "
+            "jaw.open ...): open a face with a rig, see rigs/README.md");
         return MRT_ERR_UNSUPPORTED;
     }
     fitting_report(&self->fitting, self->host);
     learn_faces(self);
     if (!self->can_speak)
         self->host->log(self->host, MRT_LOG_WARNING,
-                        "This rig has no poses for the hand to meet. one_hand uses the classic "
-                        "mode. Draft the rig anew with \"marotte rig new\" to add poses.");
+                        "This rig has no poses that the hand can match. one_hand uses the classic "
+                        "mode. To add poses, draft the rig again with \"marotte rig new\".");
     return MRT_OK;
 }
 
@@ -1008,8 +1008,8 @@ static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
     taught then;
     if (!read_taught(&then, bytes, size)) {
         self->host->log(self->host, MRT_LOG_ERROR,
-                        "Cannot load the stored hand: these are not bytes of one_hand. The hand "
-                        "poses stay as they are. Store the neutral pose again.");
+                        "Cannot load the stored hand: the data is not from one_hand. The hand "
+                        "poses are unchanged. Store the neutral pose again.");
         return MRT_ERR_FORMAT;
     }
     memcpy(self->stored, then.hand, sizeof self->stored);

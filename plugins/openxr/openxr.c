@@ -35,7 +35,7 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
     input_close(self);
     if (address[0] != '\0') {
         device_say(self->host, MRT_LOG_ERROR,
-                   "\"%.40s\": openxr has no addresses, the system knows one active runtime",
+                   "\"%.40s\": openxr takes no address: the system has one active runtime",
                    address);
         return MRT_ERR_ARGUMENT;
     }
@@ -165,7 +165,7 @@ static void fill_device(mrt_device *out)
     out->state = MRT_DEVICE_UNSURE;
     (void)snprintf(out->advice, sizeof out->advice, "%s",
                    openxr_helper_find(path, sizeof path, reason)
-                       ? "open it with the headset connected: it says what is missing"
+                       ? "connect the headset and open the input: it reports what is missing"
                        : reason);
 }
 
@@ -219,7 +219,7 @@ static const mrt_plugin_type type = {
     "org.marotte.openxr",
     "OpenXR",
     MAROTTE_VERSION,
-    "A hand that a headset, a Leap or a glove's driver tracks, by any OpenXR runtime",
+    "A hand tracked by a headset, a Leap or a glove driver, through any OpenXR runtime",
     create,
     destroy,
 };

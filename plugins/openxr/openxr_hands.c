@@ -70,9 +70,9 @@ static void need(XrResult result, const char *what)
     if (XR_SUCCEEDED(result))
         return;
     if (result == XR_ERROR_SESSION_LOST || result == XR_ERROR_INSTANCE_LOST)
-        END("the OpenXR runtime has lost its session: is the headset still connected?");
-    END("the OpenXR runtime refuses %s (error %d): is its headset or glove connected?", what,
-        (int)result);
+        END("the OpenXR runtime lost its session: is the headset still connected?");
+    END("the OpenXR runtime does not provide %s (error %d): is its headset or glove connected?",
+        what, (int)result);
 }
 
 /* ---- opening, in the order that the extensions ask for ---- */
@@ -90,7 +90,7 @@ static void open_instance(session *s)
     uint32_t count = 0;
     XrResult result = xrEnumerateInstanceExtensionProperties(NULL, 0, &count, NULL);
     if (result == XR_ERROR_RUNTIME_UNAVAILABLE)
-        END("no OpenXR runtime is active: start WiVRn, Monado or SteamVR, and its headset");
+        END("no active OpenXR runtime: start WiVRn, Monado or SteamVR, and its headset");
     need(result, "its list of extensions");
     XrExtensionProperties *extension = calloc(count + 1, sizeof *extension);
     if (!extension)
@@ -120,10 +120,10 @@ static void open_instance(session *s)
         return;
     need(xrGetInstanceProcAddr(s->instance, "xrConvertTimespecTimeToTimeKHR",
                                (PFN_xrVoidFunction *)&s->from_timespec),
-         "to tell the time");
+         "the time");
     need(xrGetInstanceProcAddr(s->instance, "xrConvertTimeToTimespecTimeKHR",
                                (PFN_xrVoidFunction *)&s->to_timespec),
-         "to tell the time");
+         "the time");
 }
 
 static void open_session(session *s)
@@ -180,7 +180,7 @@ static void follow_state(session *s, const XrEventDataSessionStateChanged *chang
         need(xrEndSession(s->session), "to end");
     } else if (changed->state == XR_SESSION_STATE_LOSS_PENDING ||
                changed->state == XR_SESSION_STATE_EXITING) {
-        END("the OpenXR runtime has ended the session: is the headset still connected?");
+        END("the OpenXR runtime ended the session: is the headset still connected?");
     }
 }
 
@@ -193,7 +193,7 @@ static void follow_events(session *s)
         if (result == XR_EVENT_UNAVAILABLE)
             return;
         if (event.type == XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING)
-            END("the OpenXR runtime is ending");
+            END("the OpenXR runtime is shutting down");
         if (event.type == XR_TYPE_EVENT_DATA_SESSION_STATE_CHANGED) {
             XrEventDataSessionStateChanged changed;
             memcpy(&changed, &event, sizeof changed);
@@ -209,7 +209,7 @@ static XrTime runtime_now(const session *s)
     if (!s->from_timespec)
         return now_ns() + s->runtime_offset_ns;
     clock_gettime(CLOCK_MONOTONIC, &now);
-    need(s->from_timespec(s->instance, &now, &time), "to tell the time");
+    need(s->from_timespec(s->instance, &now, &time), "the time");
     return time;
 }
 
@@ -218,7 +218,7 @@ static int64_t to_monotonic(const session *s, XrTime time)
     struct timespec at;
     if (!s->to_timespec)
         return device_time_ns(time) - s->runtime_offset_ns;
-    need(s->to_timespec(s->instance, time, &at), "to tell the time");
+    need(s->to_timespec(s->instance, time, &at), "the time");
     const int64_t most_s = DEVICE_TIME_MAX_NS / ns_per_s;
     if (at.tv_sec < -most_s || at.tv_sec > most_s || at.tv_nsec < 0 || at.tv_nsec >= ns_per_s)
         return INT64_MAX; /* no clock has that time: the reader drops the frame */

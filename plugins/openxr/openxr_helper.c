@@ -77,8 +77,8 @@ bool openxr_helper_find(char *out, size_t capacity, char out_reason[OPENXR_REASO
     if (length > 0 && (size_t)length < capacity && access(out, X_OK) == 0)
         return true;
     (void)snprintf(out_reason, OPENXR_REASON,
-                   "%s is not beside the program: marotte was built without OpenXR; install "
-                   "libopenxr-dev and build it again",
+                   "%s is not next to the program: marotte was built without OpenXR. Install "
+                   "libopenxr-dev and build again",
                    name);
     return false;
 }
@@ -177,7 +177,7 @@ static void start(watcher *self, int64_t now_ns)
     }
     self->pid = 0;
     self->next_start_ns = now_ns + retry_most_ns;
-    (void)snprintf(text, sizeof text, "%.200s cannot be run: %s", shared.program, strerror(failed));
+    (void)snprintf(text, sizeof text, "cannot run %.200s: %s", shared.program, strerror(failed));
     say_trouble(self, text);
 }
 
@@ -220,11 +220,11 @@ static void give_up(watcher *self, const char *why)
         (void)snprintf(text, sizeof text, "%s", why);
     else if (WIFSIGNALED(status))
         (void)snprintf(text, sizeof text,
-                       "the OpenXR runtime has crashed (%s): hands are held, it is started again",
+                       "the OpenXR runtime crashed (%s): hands are held, restarting it",
                        strsignal(WTERMSIG(status)));
     else
         (void)snprintf(text, sizeof text,
-                       "the OpenXR runtime has ended its program (code %d): it is started again",
+                       "the OpenXR runtime ended its program (code %d): restarting it",
                        WIFEXITED(status) ? WEXITSTATUS(status) : 0);
     say_trouble(self, text);
 }
@@ -289,7 +289,7 @@ static bool take_record(watcher *self, int64_t arrival_ns)
     char line[OPENXR_REASON];
     openxr_record *record = &self->record;
     if (!openxr_record_take(record)) {
-        give_up(self, "the OpenXR runtime's program has written nonsense: it is started again");
+        give_up(self, "the OpenXR runtime's program sent invalid data: restarting it");
         return false;
     }
     self->heard_ns = arrival_ns;
@@ -348,7 +348,7 @@ static void *watch(void *unused)
             if (self.pid == 0)
                 start(&self, now_ns);
             else
-                give_up(&self, "the OpenXR runtime hangs: hands are held, it is started again");
+                give_up(&self, "the OpenXR runtime hangs: hands are held, restarting it");
             continue;
         }
         int64_t left_ms = (next_ns(&self) - now_ns) / ns_per_ms + 1;
@@ -383,7 +383,8 @@ static bool begin(char out_reason[OPENXR_REASON])
     pthread_sigmask(SIG_SETMASK, &before, NULL);
     if (!failed)
         return true;
-    (void)snprintf(out_reason, OPENXR_REASON, "OpenXR: no thread: %s", strerror(failed));
+    (void)snprintf(out_reason, OPENXR_REASON, "OpenXR: cannot start a thread: %s",
+                   strerror(failed));
     pthread_cond_destroy(&shared.changed);
     close(shared.stop);
     return false;

@@ -115,17 +115,17 @@ static void close(mrt_plugin *self)
 static const char *const off_on[] = {"off", "on", NULL};
 static const mrt_param params[PARAM_COUNT] = {
     [RATE] = {1, 0, "Rate", "Network", "Hz",
-              "At most so many faces a second; 0: each that is new; from the next opening on", 0,
-              1000, 0, NULL},
+              "Largest number of faces per second; 0: every new face. Used when the output is "
+              "opened again",
+              0, 1000, 0, NULL},
     [WEIGHTS] = {2, MRT_PARAM_STEPPED, "Weights", "Content", "",
-                 "ARKit's 52 names, and what else any face can be said in, 0 to 1", 0, 1, 1,
-                 off_on},
-    [SHAPES] = {3, MRT_PARAM_STEPPED, "Shapes", "Content", "", "The head's own shapes, 0 to 1", 0,
+                 "ARKit's 52 weights and the other common weights, 0 to 1", 0, 1, 1, off_on},
+    [SHAPES] = {3, MRT_PARAM_STEPPED, "Shapes", "Content", "", "The mesh's own shapes, 0 to 1", 0,
                 1, 1, off_on},
     [MOTIONS] = {4, MRT_PARAM_STEPPED, "Motions", "Content", "",
-                 "The degrees of freedom of bones (jaw.open), rad or mm", 0, 1, 1, off_on},
+                 "Degrees of freedom of the bones (jaw.open), rad or mm", 0, 1, 1, off_on},
     [CONTACTS] = {5, MRT_PARAM_STEPPED, "Contacts", "Content", "",
-                  "How far each contact is moved (mouth.corner.l.x), mm", 0, 1, 1, off_on},
+                  "Movement of each contact (mouth.corner.l.x), mm", 0, 1, 1, off_on},
 };
 static const mrt_face_output output = {open, begin, send, close};
 static const mrt_interface interfaces[] = {{MRT_FACE_OUTPUT, &output}, {NULL, NULL}};
@@ -137,7 +137,7 @@ static const mrt_plugin_type type = {
     "org.marotte.face_osc",
     "Named numbers (OSC)",
     MAROTTE_VERSION,
-    "The face as named numbers over OSC: weights, shapes, bones' motions and contacts",
+    "The face as named numbers over OSC: weights, shapes, bone motions and contacts",
     create,
     destroy,
 };

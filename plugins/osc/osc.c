@@ -188,16 +188,15 @@ static mrt_result say_nobody(osc_input *self)
     osc_port_name_sources(self->port, there, sizeof there);
     if (there[0] != '\0')
         device_say(self->host, MRT_LOG_ERROR,
-                   "port %u: \"%s\" is not forwarded to it, but %s: choose one of these",
-                   (unsigned)address->port, address->source, there);
+                   "port %u: \"%s\" is not forwarded to it; available: %s", (unsigned)address->port,
+                   address->source, there);
     else
-        device_say(
-            self->host, MRT_LOG_ERROR,
-            "%s port %u: no marotte forwards \"%s\" to it: start `marotte devices --forward "
-            "ADDRESS:%u` on the other computer, and let both firewalls pass UDP; to hear another "
-            "computer write 0.0.0.0:%u/%s here",
-            address->host, (unsigned)address->port, address->source, (unsigned)address->port,
-            (unsigned)address->port, address->source);
+        device_say(self->host, MRT_LOG_ERROR,
+                   "%s port %u: no marotte forwards \"%s\" to it: start `marotte devices --forward "
+                   "ADDRESS:%u` on the other computer, and let both firewalls pass UDP; to receive "
+                   "from another computer, write 0.0.0.0:%u/%s here",
+                   address->host, (unsigned)address->port, address->source, (unsigned)address->port,
+                   (unsigned)address->port, address->source);
     return MRT_ERR_IO;
 }
 
@@ -230,11 +229,10 @@ static mrt_result input_open(mrt_plugin *plugin, const char *address, const doub
     osc_address parsed;
     input_close(plugin);
     if (!osc_address_parse(&parsed, address)) {
-        device_say(
-            self->host, MRT_LOG_ERROR,
-            "\"%.100s\" is no address: expected [HOST:]PORT, and /SOURCE for what another marotte "
-            "forwards, as in 9105 or 0.0.0.0:9105/cyberglove",
-            address);
+        device_say(self->host, MRT_LOG_ERROR,
+                   "\"%.100s\" is not an address: expected [HOST:]PORT, with /SOURCE for an input "
+                   "that another marotte forwards, as in 9105 or 0.0.0.0:9105/cyberglove",
+                   address);
         return MRT_ERR_ARGUMENT;
     }
     if (!goes_on(self, &parsed, params)) {
@@ -340,9 +338,9 @@ typedef struct silence {
 static const char *loss_of(const osc_listener *listener)
 {
     if (listener->has_ended)
-        return "its sender has stopped: waiting for it";
+        return "the sender stopped: waiting for it";
     if (listener->has_other_channels)
-        return "its sender has other channels now: opening it again";
+        return "the sender's channels changed: opening the input again";
     return NULL;
 }
 
@@ -362,7 +360,7 @@ static silence silence_of(osc_input *self, const double *params)
         out.lost_ns = listener->heard_ns + LOST_SILENCES * silence_ns;
     osc_port_unlock(self->port);
     if (!out.loss && out.lost_ns <= device_clock_ns())
-        out.loss = "silent: waiting for its sender";
+        out.loss = "no messages: waiting for the sender";
     return out;
 }
 
@@ -385,11 +383,10 @@ static void release_pedals(osc_input *self, mrt_sample *out)
     osc_port_lock(self->port);
     osc_listener_release_pedals(&self->listener);
     osc_port_unlock(self->port);
-    device_say(
-        self->host, MRT_LOG_WARNING,
-        "port %u: nothing heard of the pedals: they count as up (silence=0 if their sender speaks "
-        "only when one moves)",
-        (unsigned)self->address.port);
+    device_say(self->host, MRT_LOG_WARNING,
+               "port %u: no pedal messages: pedals released. If the sender only sends changes, set "
+               "silence=0",
+               (unsigned)self->address.port);
     give_release(self, device_clock_ns(), out);
 }
 
@@ -429,10 +426,10 @@ static mrt_result input_read(mrt_plugin *plugin, const double *params, int64_t d
 static const char *advice_for_send(int error)
 {
     if (error == ECONNREFUSED)
-        return "nobody listens there yet: start marotte on that computer with "
-               "--input osc:0.0.0.0:PORT/SOURCE";
+        return "no program listens there: start marotte on that computer with --input "
+               "osc:0.0.0.0:PORT/SOURCE";
     if (error == EACCES || error == EPERM)
-        return "a firewall or this computer's settings forbid it";
+        return "a firewall or this computer's settings block it";
     if (error == EAGAIN || error == ENOBUFS)
         return "the network is slower than the samples";
     return "is the network connected?";
@@ -448,9 +445,9 @@ static void send_packet(osc_output *self, size_t size)
     if (self->has_logged_failure)
         return;
     self->has_logged_failure = true;
-    device_say(self->host, MRT_LOG_WARNING, "samples do not reach %s port %u (%s): %s; trying on",
-               self->address.host, (unsigned)self->address.port, strerror(error),
-               advice_for_send(error));
+    device_say(self->host, MRT_LOG_WARNING,
+               "cannot send samples to %s port %u (%s): %s. Still trying", self->address.host,
+               (unsigned)self->address.port, strerror(error), advice_for_send(error));
 }
 
 static void send_channels(osc_output *self, forwarded *from, int64_t now_ns)
@@ -508,7 +505,7 @@ static mrt_result start_thread(osc_output *self)
         return MRT_OK;
     pthread_cond_destroy(&self->wake);
     pthread_mutex_destroy(&self->mutex);
-    device_say(self->host, MRT_LOG_ERROR, "the thread that repeats could not be started");
+    device_say(self->host, MRT_LOG_ERROR, "cannot start the thread that repeats messages");
     return MRT_ERR_MEMORY;
 }
 
@@ -533,7 +530,7 @@ static void output_close(mrt_plugin *plugin)
     pthread_join(self->thread, NULL);
     say_end(self);
     if (self->failed_count > 0)
-        device_say(self->host, MRT_LOG_INFO, "%u datagrams did not reach %s port %u",
+        device_say(self->host, MRT_LOG_INFO, "%u datagrams could not be sent to %s port %u",
                    self->failed_count, self->address.host, (unsigned)self->address.port);
     pthread_cond_destroy(&self->wake);
     pthread_mutex_destroy(&self->mutex);
@@ -549,9 +546,10 @@ static mrt_result output_open(mrt_plugin *plugin, const char *address, const dou
     output_close(plugin);
     if (!address || address[0] == '\0' || !osc_address_parse(&self->address, address) ||
         self->address.has_source) {
-        device_say(self->host, MRT_LOG_ERROR,
-                   "\"%.100s\" is no address to send to: expected HOST:PORT, as in 192.168.1.20:%d",
-                   address ? address : "", OSC_PORT);
+        device_say(
+            self->host, MRT_LOG_ERROR,
+            "\"%.100s\" is not an address to send to: expected HOST:PORT, as in 192.168.1.20:%d",
+            address ? address : "", OSC_PORT);
         return MRT_ERR_ARGUMENT;
     }
     self->socket = udp_connect(self->address.host, self->address.port, reason);
@@ -609,7 +607,7 @@ static bool is_told(const forwarded *from, const mrt_channel *channels, const mr
 static mrt_result refuse(osc_output *self, mrt_result result, const char *source, const char *why)
 {
     if (!self->has_logged_source)
-        device_say(self->host, MRT_LOG_ERROR, "%.95s cannot be forwarded: %s", source, why);
+        device_say(self->host, MRT_LOG_ERROR, "cannot forward %.95s: %s", source, why);
     self->has_logged_source = true;
     return result;
 }
@@ -626,8 +624,8 @@ static mrt_result forward(osc_output *self, const char *source, const mrt_channe
     if (!was_told &&
         !osc_table_set(&to->table, source, to->table.version + 1, channels, sample->count))
         return refuse(self, MRT_ERR_UNSUPPORTED, source,
-                      "a name is longer than 95 (source), 63 (channel) or 15 (unit) letters, "
-                      "or a channel is not described");
+                      "a name is longer than 95 (source), 63 (channel) or 15 (unit) letters, or a "
+                      "channel has no description");
     if (!was_told)
         send_channels(self, to, now_ns);
     to->last = *sample;
@@ -679,14 +677,13 @@ static const char *const content_label[] = {"hand and pedals", "hand and wrist",
 
 static const mrt_param params[PARAM_COUNT] = {
     [PARAM_HAND] = {1, MRT_PARAM_STEPPED, "hand", "Network", "",
-                    "Whose hand the messages of other software are taken for", MRT_LEFT, MRT_RIGHT,
-                    MRT_RIGHT, hand_label},
+                    "Hand for the messages of other software", MRT_LEFT, MRT_RIGHT, MRT_RIGHT,
+                    hand_label},
     [PARAM_CONTENT] = {2, MRT_PARAM_STEPPED, "content", "Network", "",
-                       "Which channels the messages of other software give", 0, 3, 0,
-                       content_label},
+                       "Channels made from the messages of other software", 0, 3, 0, content_label},
     [PARAM_SILENCE] = {3, 0, "silence", "Network", "s",
-                       "Pedals go up after this silence, and after three the sender is lost; 0 "
-                       "if it speaks only when something changes",
+                       "Time without messages after which pedals are released; after three times "
+                       "this the sender is lost. 0: the sender only sends changes",
                        0, 60, 1, NULL},
 };
 
@@ -704,7 +701,7 @@ static const mrt_plugin_type type = {
     "org.marotte.osc",
     "Network",
     MAROTTE_VERSION,
-    "Hands and pedals over the network: from trackers that speak OSC or VMC, and between marottes",
+    "Hands and pedals over the network: from OSC or VMC trackers, and from another marotte",
     create,
     destroy,
 };

@@ -425,19 +425,18 @@ static void complain(osc_dispatcher *self, osc_fault fault, const char *address,
     char peer[UDP_PEER_TEXT], what[64], text[512];
     udp_peer_text(self->peer, peer, sizeof peer);
     printable(what, sizeof what, address);
-    snprintf(text, sizeof text, "%s from %s: %.200s; such are dropped and counted", what, peer,
-             expected);
+    snprintf(text, sizeof text, "%s from %s: %.200s; such messages are dropped and counted", what,
+             peer, expected);
     self->host->log(self->host, fault == OSC_FAULT_ADDRESS ? MRT_LOG_INFO : MRT_LOG_WARNING, text);
 }
 
 static void complain_of_packet(osc_dispatcher *self, osc_fault fault)
 {
     if (fault == OSC_FAULT_PACKET)
-        complain(self, fault, "a datagram", "it is no OSC: what else sends to this port?");
+        complain(self, fault, "a datagram", "not OSC: check which program sends to this port");
     else
         complain(self, fault, "a packet",
-                 "it holds more than 64 KiB, 512 messages, 256 arguments "
-                 "or 4 bundles in each other");
+                 "more than 64 KiB, 512 messages, 256 arguments or 4 nested bundles");
 }
 
 static void complain_of_sender(osc_dispatcher *self, const char *what, const udp_owner *owner)
@@ -445,8 +444,7 @@ static void complain_of_sender(osc_dispatcher *self, const char *what, const udp
     char first[UDP_PEER_TEXT], text[160];
     udp_peer_text(&owner->peer, first, sizeof first);
     snprintf(text, sizeof text,
-             "%s sends this already and counts until it is silent for 1 s: "
-             "stop one of the two",
+             "%s already sends this and is used until it is silent for 1 s: stop one of the two",
              first);
     complain(self, OSC_FAULT_SENDER, what, text);
 }
@@ -506,7 +504,7 @@ static void take_channels(osc_dispatcher *self)
     osc_source *source = slot_for_source(self, self->event.source);
     if (!source) {
         complain(self, OSC_FAULT_SOURCES, self->event.source,
-                 "there is room for 16 sources at one port: use another port");
+                 "a port can have 16 sources: use another port");
         return;
     }
     if (!admits(self, source))

@@ -326,7 +326,7 @@ static osc_fault read_joint(osc_event *out, const osc_message *message)
         !osc_message_int32(message, 0, &first) ||
         !read_numbers(out, message, 1, message->count - 1))
         return refuse(out, OSC_FAULT_TYPES,
-                      "expected the whole number of a sensor (0 to 21), then angles in rad");
+                      "expected a sensor number (0 to 21), then angles in rad");
     if (first < 0 || first >= MRT_ANGLES || (uint32_t)first + out->count > MRT_ANGLES)
         return refuse(out, OSC_FAULT_VALUE, "expected sensors 0 to 21");
     if (!are_within(out->value, out->count, angle_max_rad))
@@ -353,7 +353,7 @@ static osc_fault read_pedal(osc_event *out, const osc_message *message)
     if (message->count != 2 || !osc_message_int32(message, 0, &number) ||
         !read_numbers(out, message, 1, 1))
         return refuse(out, OSC_FAULT_TYPES,
-                      "expected the whole number of a pedal (1 to 4), then 0 (up) to 1 (down)");
+                      "expected a pedal number (1 to 4), then 0 (up) to 1 (down)");
     if (number < 1 || number > MRT_MAX_PEDALS || !(out->value[0] >= 0 && out->value[0] <= 1))
         return refuse(out, OSC_FAULT_VALUE, "expected pedal 1 to 4, and 0 (up) to 1 (down)");
     out->kind = OSC_EVENT_PEDAL;
@@ -395,7 +395,7 @@ static osc_fault read_controller(osc_event *out, const osc_message *message)
     int32_t number;
     if (message->count != 2 || !osc_message_int32(message, 0, &number) ||
         !read_numbers(out, message, 1, 1))
-        return refuse(out, OSC_FAULT_TYPES, "expected a controller's number and its value");
+        return refuse(out, OSC_FAULT_TYPES, "expected a controller number and its value");
     if (!(out->value[0] >= 0 && out->value[0] <= 1))
         return refuse(out, OSC_FAULT_VALUE, "expected a value from 0 to 1");
     if (number < 0 || number >= OSC_CONTROLLERS)
@@ -497,7 +497,7 @@ static osc_fault read_sample(osc_event *out, const osc_message *message)
     if (!is_time(out->time_ns) || !is_time(out->sent_ns) || out->sent_ns < out->time_ns ||
         !are_within(out->value, out->count, (double)FLT_MAX))
         return refuse(out, OSC_FAULT_VALUE,
-                      "expected finite values, and no sample that is sent before it is measured");
+                      "expected finite values, and a send time that is not before the measurement");
     out->sequence = (uint32_t)sequence;
     out->kind = OSC_EVENT_SAMPLE;
     return OSC_FAULT_NONE;
@@ -544,8 +544,8 @@ static const struct {
     {"/marotte/hand/left/", "expected angles, joint or wrist of a hand"},
     {"/marotte/hand/right/", "expected angles, joint or wrist of a hand"},
     {"/marotte/hand/", "expected left or right after /marotte/hand/"},
-    {"/marotte/", "no such message in this version of marotte"},
-    {"", "no message of marotte or VMC: plugins/osc/README.md"},
+    {"/marotte/", "this version of marotte does not support this message"},
+    {"", "not a message of marotte or VMC: see plugins/osc/README.md"},
 };
 
 osc_fault osc_event_read(osc_event *out, const osc_message *message)

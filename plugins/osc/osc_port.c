@@ -59,7 +59,7 @@ static osc_port *make_port(const osc_address *address, const mrt_host *host, cha
 {
     osc_port *self = calloc(1, sizeof *self);
     if (!self) {
-        snprintf(out_reason, UDP_REASON, "no memory for port %u", (unsigned)address->port);
+        snprintf(out_reason, UDP_REASON, "out of memory for port %u", (unsigned)address->port);
         return NULL;
     }
     self->address = *address;
@@ -203,7 +203,7 @@ void osc_port_summary(osc_port *port, char *out, size_t capacity)
     out[0] = '\0';
     if (faulty + dispatcher->late_count > 0) /* before channels are told: that is usual */
         snprintf(out, capacity,
-                 "port %u: dropped %u late samples, %u before their channels were told, %u faulty "
+                 "port %u: dropped %u late samples, %u samples without a channel list, %u faulty "
                  "messages",
                  (unsigned)port->address.port, dispatcher->late_count, dispatcher->untold_count,
                  faulty);

@@ -280,22 +280,22 @@ static const char *const case_label[] = {"pascal", "camel", NULL};
 static const char *const off_on[] = {"off", "on", NULL};
 static const mrt_param params[PARAM_COUNT] = {
     [ROLE] = {1, MRT_PARAM_STEPPED, "Role", "Network", "",
-              "Assistant: to a performer with a body, port 39540; performer: a whole person, to a "
-              "marionette, port 39539; from the next opening on",
+              "Assistant: send to a performer with a body, port 39540. Performer: send a whole "
+              "person to a marionette, port 39539. Used when the output is opened again",
               0, 1, 0, roles},
     [NAMES] = {2, MRT_PARAM_STEPPED, "Names", "Blend shapes", "",
                "ARKit's 52, VRM's presets (A, Blink, Joy), or both", 0, 2, NAMES_ALL, names_label},
     [CASE] = {3, MRT_PARAM_STEPPED, "Case", "Blend shapes", "",
-              "EyeBlinkLeft, as the protocol has it, or eyeBlinkLeft", 0, 1, CASE_PASCAL,
-              case_label},
+              "EyeBlinkLeft, as in the protocol, or eyeBlinkLeft", 0, 1, CASE_PASCAL, case_label},
     [OWN] = {4, MRT_PARAM_STEPPED, "Own shapes", "Blend shapes", "",
-             "The head's own shapes by their own names too", 0, 1, 0, off_on},
+             "Also send the mesh's own shapes with their names", 0, 1, 0, off_on},
     [JAW] = {5, MRT_PARAM_STEPPED, "Jaw", "Bones", "",
-             "The jaw as a bone too: for avatars whose mouth no blend shape opens", 0, 1, 0,
-             off_on},
+             "Also send the jaw as a bone, for avatars without a blend shape that opens the mouth",
+             0, 1, 0, off_on},
     [RATE] = {6, 0, "Rate", "Network", "Hz",
-              "At most so many faces a second; 0: each that is new; from the next opening on", 0,
-              1000, 0, NULL},
+              "Largest number of faces per second; 0: every new face. Used when the output is "
+              "opened again",
+              0, 1000, 0, NULL},
 };
 static const mrt_face_output output = {open, begin, send, close};
 static const mrt_interface interfaces[] = {{MRT_FACE_OUTPUT, &output}, {NULL, NULL}};

@@ -76,14 +76,14 @@ static mrt_result next_item(parser *self, const uint8_t *bytes, size_t size, siz
     uint8_t head = bytes[*at];
     if (head == LONG_ITEM) {
         if (size - *at < 3 || size - *at - 3 < bytes[*at + 1])
-            return refuse(self, "a long item goes past the end");
+            return refuse(self, "a long item is longer than the descriptor");
         *at += 3 + (size_t)bytes[*at + 1];
         return MRT_OK;
     }
     out->tag = head & 0xfc;
     out->size = sizes[head & 3];
     if (size - *at - 1 < out->size)
-        return refuse(self, "an item goes past the end");
+        return refuse(self, "an item is longer than the descriptor");
     for (uint32_t i = 0; i < out->size; ++i)
         out->number |= (uint32_t)bytes[*at + 1 + i] << (8 * i);
     uint32_t sign = out->size > 0 && out->size < 4 ? 1u << (8 * out->size - 1) : 0;
@@ -180,7 +180,7 @@ static mrt_result take_input(parser *self, uint32_t flags)
     uint32_t *used = &self->used_bits[now->report_id];
     uint32_t first = *used + (now->report_id != 0 ? 8 : 0);
     if (bits > DESCRIPTOR_REPORT_BYTES * 8 || first + bits > DESCRIPTOR_REPORT_BYTES * 8)
-        return refuse(self, "a report would be longer than any that USB carries");
+        return refuse(self, "a report is longer than USB allows");
     *used += (uint32_t)bits;
     self->has_fields = true;
     if ((flags & INPUT_CONSTANT) || now->size_bits < 1 || now->size_bits > 32 || now->count < 1)
@@ -202,7 +202,7 @@ static mrt_result take_main(parser *self, const item *it)
         self->collection_count += 1;
     } else if (it->tag == MAIN_END_COLLECTION) {
         if (self->collection_count == 0)
-            return refuse(self, "a collection ends that did not begin");
+            return refuse(self, "a collection ends without a beginning");
         self->collection_count -= 1;
     } else if (it->tag != MAIN_OUTPUT && it->tag != MAIN_FEATURE) {
         return refuse(self, "an item that HID does not define");
@@ -214,9 +214,9 @@ static mrt_result take_main(parser *self, const item *it)
 static mrt_result take_report_id(parser *self, uint32_t number)
 {
     if (number < 1 || number > 255)
-        return refuse(self, "a report number outside 1..255");
+        return refuse(self, "a report number is outside 1..255");
     if (self->has_fields && !self->has_report_ids)
-        return refuse(self, "the first fields have no report number, later ones have");
+        return refuse(self, "the first fields have no report number, but later ones do");
     self->has_report_ids = true;
     self->now.report_id = number;
     return MRT_OK;
@@ -225,7 +225,7 @@ static mrt_result take_report_id(parser *self, uint32_t number)
 static mrt_result push(parser *self)
 {
     if (self->stack_count == STACK)
-        return refuse(self, "more than 4 states are pushed");
+        return refuse(self, "more than 4 nested push items");
     self->stack[self->stack_count++] = self->now;
     return MRT_OK;
 }
@@ -233,7 +233,7 @@ static mrt_result push(parser *self)
 static mrt_result pop(parser *self)
 {
     if (self->stack_count == 0)
-        return refuse(self, "a state is popped that was not pushed");
+        return refuse(self, "a pop item without a push item");
     self->now = self->stack[--self->stack_count];
     return MRT_OK;
 }
@@ -306,7 +306,7 @@ static mrt_result parse(parser *self, const uint8_t *bytes, size_t size)
             return result;
     }
     self->at = size;
-    return self->collection_count == 0 ? MRT_OK : refuse(self, "ends within a collection");
+    return self->collection_count == 0 ? MRT_OK : refuse(self, "the last collection has no end");
 }
 
 mrt_result descriptor_parse(descriptor *out, const uint8_t *bytes, size_t size,

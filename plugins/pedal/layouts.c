@@ -274,7 +274,7 @@ static mrt_result take_field(reader *self, char *rest)
         return refuse(self, "expected signed or unsigned after the number of bits");
     if (!parse_number(next_word(&rest), 10, INT32_MIN, INT32_MAX, &up) ||
         !parse_number(next_word(&rest), 10, INT32_MIN, INT32_MAX, &down) || up == down)
-        return refuse(self, "expected two different values: what it is when up and when down");
+        return refuse(self, "expected two different values: one for up and one for down");
     return add_switch(self,
                       (layout_switch){.report_id = (uint8_t)report_id,
                                       .bit = (uint16_t)bit,
@@ -334,11 +334,11 @@ static bool copy_line(char out[LINE], const char **at, const char *end)
 static mrt_result check_whole(const reader *self)
 {
     if (!self->has_header || !self->has_device || !self->has_interface || !self->has_endpoint)
-        return refuse(self, "ends before header, device, interface and endpoint were named");
+        return refuse(self, "the header, device, interface or endpoint line is missing");
     if (self->out->switch_count == 0)
-        return refuse(self, "ends without a switch: expected field or key lines");
+        return refuse(self, "no switches: expected field or key lines");
     if (self->needs_keys != self->has_keys)
-        return refuse(self, "a keys line goes with key lines, neither is without the other");
+        return refuse(self, "a keys line needs key lines, and key lines need a keys line");
     return MRT_OK;
 }
 
@@ -356,7 +356,7 @@ mrt_result layout_text_parse(layout *out, const char *bytes, size_t size,
         self.line += 1;
         result = copy_line(line, &at, end)
                      ? take_line(&self, line)
-                     : refuse(&self, "longer than 159 bytes or with control characters");
+                     : refuse(&self, "longer than 159 bytes, or contains control characters");
     }
     if (result >= 0)
         result = check_whole(&self);
@@ -476,13 +476,13 @@ static mrt_result read_file(const char *path, char *bytes, size_t *out_size, cha
     if (file >= 0)
         close(file);
     if (size < 0) {
-        snprintf(reason, LAYOUT_FILE_REASON, "%s: %s: let it be read, or remove it", path,
+        snprintf(reason, LAYOUT_FILE_REASON, "%s: %s: make the file readable, or remove it", path,
                  strerror(why));
         return MRT_ERR_IO;
     }
     if (size > LAYOUT_TEXT_BYTES) {
-        snprintf(reason, LAYOUT_FILE_REASON, "%s: longer than 4096 bytes: no layout: remove it",
-                 path);
+        snprintf(reason, LAYOUT_FILE_REASON,
+                 "%s: longer than 4096 bytes, so not a layout: remove it", path);
         return MRT_ERR_FORMAT;
     }
     *out_size = (size_t)size;
@@ -501,12 +501,12 @@ mrt_result layout_file_load(layout *out, uint16_t vendor, uint16_t product,
         return result;
     result = layout_text_parse(out, bytes, size, why);
     if (result >= 0 && (out->vendor != vendor || out->product != product)) {
-        snprintf(why, sizeof why, "is of device %04x:%04x", out->vendor, out->product);
+        snprintf(why, sizeof why, "the layout is for device %04x:%04x", out->vendor, out->product);
         result = MRT_ERR_FORMAT;
     }
     if (result < 0)
         snprintf(reason, LAYOUT_FILE_REASON,
-                 "%s: %s: mend it, or remove it and teach the pedal again", path, why);
+                 "%s: %s: correct the file, or remove it and teach the pedal again", path, why);
     return result;
 }
 
@@ -563,12 +563,12 @@ mrt_result layout_file_store(const layout *from, char reason[LAYOUT_FILE_REASON]
     char path[LAYOUT_FILE_PATH], bytes[LAYOUT_TEXT_BYTES];
     if (!layout_file_path(path, from->vendor, from->product)) {
         snprintf(reason, LAYOUT_FILE_REASON,
-                 "the layout has nowhere to go: set HOME or XDG_CONFIG_HOME");
+                 "no folder for the layout: set HOME or XDG_CONFIG_HOME");
         return MRT_ERR_IO;
     }
     size_t size = layout_text_print(bytes, from);
     if (make_folders(path) && write_file(path, bytes, size))
         return MRT_OK;
-    snprintf(reason, LAYOUT_FILE_REASON, "%s cannot be written: %s", path, strerror(errno));
+    snprintf(reason, LAYOUT_FILE_REASON, "cannot write %s: %s", path, strerror(errno));
     return MRT_ERR_IO;
 }

@@ -188,8 +188,8 @@ static void make_channels(mrt_plugin *self, const double *params)
                                           1.0f};
         if (i < count && !is_pedal)
             device_say(self->host, MRT_LOG_WARNING,
-                       "switch %u (%s) of %.60s is no pedal: its number is above 4 or taken: set "
-                       "switch_%u",
+                       "switch %u (%s) of %.60s has no pedal: the number is above 4 or already "
+                       "used. Set switch_%u",
                        i + 1, self->channel_names[i], self->name, i + 1);
     }
 }
@@ -207,13 +207,13 @@ static void explain(mrt_plugin *self, usb_failure failure, attempt *out)
         advice_busy(advice, &self->device);
         break;
     case USB_GONE:
-        snprintf(advice, sizeof advice, "went away while it was opened: plug it in again");
+        snprintf(advice, sizeof advice, "disconnected while opening: plug it in again");
         break;
     case USB_NO_MEMORY:
         snprintf(advice, sizeof advice, "no memory");
         break;
     default:
-        snprintf(advice, sizeof advice, "cannot be opened (%s): plug it into another socket",
+        snprintf(advice, sizeof advice, "cannot open it (%s): use another USB port",
                  usb_failure_text(self->usb));
     }
     out->result = failure == USB_NO_MEMORY ? MRT_ERR_MEMORY : MRT_ERR_IO;
@@ -276,23 +276,22 @@ static void say_opened(const mrt_plugin *self)
 
 static void explain_absence(const mrt_plugin *self, const address *wanted, attempt *out)
 {
-    const char *again = "plug it in, or see what there is with: marotte devices";
+    const char *again = "plug it in, or list the devices with: marotte devices";
     out->result = MRT_ERR_IO;
     out->may_pass = false;
     if (self->binding.is_bound)
         snprintf(out->text, sizeof out->text,
-                 "the pedal %04x:%04x is not in its socket usb:%s: plug it in there again",
+                 "the pedal %04x:%04x is not connected to usb:%s: plug it in there again",
                  self->binding.vendor, self->binding.product, self->binding.path);
     else if (wanted->kind == ADDRESS_PORT)
-        snprintf(out->text, sizeof out->text, "no device is in socket usb:%s: %s", wanted->path,
-                 again);
+        snprintf(out->text, sizeof out->text, "no device found at usb:%s: %s", wanted->path, again);
     else if (wanted->kind == ADDRESS_KIND)
-        snprintf(out->text, sizeof out->text, "no device usb:%04x:%04x is plugged in: %s",
-                 wanted->vendor, wanted->product, again);
+        snprintf(out->text, sizeof out->text, "no device usb:%04x:%04x found: %s", wanted->vendor,
+                 wanted->product, again);
     else
         snprintf(out->text, sizeof out->text,
-                 "no pedal that is known is plugged in: plug one in, or name another device by "
-                 "usb:VENDOR:PRODUCT as lsusb shows it");
+                 "no known pedal found: plug one in, or name another device by usb:VENDOR:PRODUCT "
+                 "as lsusb shows it");
 }
 
 static void try_to_open(mrt_plugin *self, const address *wanted, const double *params, attempt *out)
@@ -351,7 +350,7 @@ static bool has_usb(mrt_plugin *self)
         self->usb = usb_create(self->host);
     if (!self->usb)
         device_say(self->host, MRT_LOG_ERROR,
-                   "USB cannot be used: is /dev/bus/usb there, and is there memory?");
+                   "cannot use USB: check that /dev/bus/usb exists and memory is available");
     return self->usb != NULL;
 }
 
@@ -369,8 +368,8 @@ static mrt_result pedal_open(mrt_plugin *self, const char *text, const double *p
     pedal_close(self);
     if (!address_parse(&wanted, text)) {
         device_say(self->host, MRT_LOG_ERROR,
-                   "\"%.60s\" is no address of a pedal: write usb:1-2.3 (a socket), usb:05f3:00ff "
-                   "(a kind), or nothing for the first pedal",
+                   "\"%.60s\" is not the address of a pedal: write usb:1-2.3 (a USB port), "
+                   "usb:05f3:00ff (vendor and product), or nothing for the first pedal",
                    text);
         return MRT_ERR_ARGUMENT;
     }
@@ -495,11 +494,11 @@ static void ask(const mrt_plugin *self)
 {
     uint32_t found = self->learn.found.switch_count;
     if (found == 0)
-        device_say(self->host, MRT_LOG_INFO, "learn: press switch 1 and let it go");
+        device_say(self->host, MRT_LOG_INFO, "learn: press and release switch 1");
     else
         device_say(self->host, MRT_LOG_INFO,
-                   "learn: switch %u is known: press switch %u and let it go, or an earlier one "
-                   "again if that was all",
+                   "learn: switch %u is learned: press and release switch %u, or an earlier one "
+                   "again to finish",
                    found, found + 1);
 }
 
@@ -524,7 +523,7 @@ static void finish(mrt_plugin *self)
         return;
     }
     (void)layout_file_path(path, found->vendor, found->product);
-    device_say(self->host, MRT_LOG_INFO, "learn: done: %u switches of %.60s are in %s",
+    device_say(self->host, MRT_LOG_INFO, "learn: done: %u switches of %.60s are stored in %s",
                found->switch_count, found->name, path);
     adopt(self);
 }
@@ -540,7 +539,7 @@ static void say_progress(mrt_plugin *self)
         break;
     case LEARN_FAILED:
         device_say(self->host, MRT_LOG_WARNING,
-                   "learn: given up: no switch was pressed and let go within 15 s: begin again");
+                   "learn: given up: no switch was pressed and released within 15 s: start again");
         break;
     default:
         break;
@@ -558,7 +557,8 @@ static void give_up_learning(mrt_plugin *self)
     if (!learn_is_running(&self->learn))
         return;
     self->learn.stage = LEARN_FAILED;
-    device_say(self->host, MRT_LOG_WARNING, "learn: given up: the device went away: begin again");
+    device_say(self->host, MRT_LOG_WARNING,
+               "learn: given up: the device was disconnected: start again");
 }
 
 /* ---- the plugin ---- */
@@ -601,8 +601,9 @@ static mrt_result give_loss(mrt_plugin *self, mrt_sample *out)
     if (!self->has_told_loss) {
         self->has_told_loss = true;
         trace_note(&self->trace, self->host->now_ns(self->host), "gone");
-        device_say(self->host, MRT_LOG_ERROR, "%.60s at usb:%s went away (%s): plug it in again",
-                   self->name, self->device.path, usb_failure_text(self->usb));
+        device_say(self->host, MRT_LOG_ERROR,
+                   "%.60s at usb:%s was disconnected (%s): plug it in again", self->name,
+                   self->device.path, usb_failure_text(self->usb));
     }
     return MRT_ERR_IO;
 }
@@ -756,28 +757,27 @@ static const char *const invert_label[] = {"no", "yes", NULL};
 #define SWITCH(number, text)                                                                       \
     {                                                                                              \
         1 + (number), MRT_PARAM_STEPPED, "switch " text, "Pedal", "",                              \
-            "Which pedal the device's switch " text " is, if not the next in order", 0,            \
+            "Pedal number of the device's switch " text ", if not the next in order", 0,           \
             MRT_MAX_PEDALS, 0, switch_label                                                        \
     }
 
 static const mrt_param params_table[PARAM_COUNT] = {
-    [PARAM_FIRST] = {1, MRT_PARAM_STEPPED, "first", "Pedal", "",
-                     "Which pedal the first switch is: 4 for a second device beside one of three",
-                     1, MRT_MAX_PEDALS, 1, NULL},
+    [PARAM_FIRST] =
+        {1, MRT_PARAM_STEPPED, "first", "Pedal", "",
+         "Pedal number of the first switch: 4 for a second device next to one with three switches",
+         1, MRT_MAX_PEDALS, 1, NULL},
     [PARAM_SWITCH] = SWITCH(1, "1"),
     [PARAM_SWITCH + 1] = SWITCH(2, "2"),
     [PARAM_SWITCH + 2] = SWITCH(3, "3"),
     [PARAM_SWITCH + 3] = SWITCH(4, "4"),
     [PARAM_INVERT] = {6, MRT_PARAM_STEPPED, "invert", "Pedal", "",
-                      "Whether axes are down where the device says they are up", 0, 1, 0,
+                      "Invert the axes, for a device that reports up as down", 0, 1, 0,
                       invert_label},
     [PARAM_DEBOUNCE] = {7, 0, "debounce", "Pedal", "ms",
-                        "How long a switch that has just moved may chatter; the first edge is "
-                        "never delayed",
-                        5, 15, 8, NULL},
+                        "Debounce time after a switch moves; the first edge is never delayed", 5,
+                        15, 8, NULL},
     [PARAM_LEARN] = {8, MRT_PARAM_TRIGGER, "learn", "Pedal", "",
-                     "Learns the switches of a device: press each once, as it is said", 0, 1, 0,
-                     NULL},
+                     "Learn the switches of a device: press each one when asked", 0, 1, 0, NULL},
 };
 
 static const mrt_input input = {pedal_open, pedal_channels, pedal_read, pedal_close, 0};
@@ -794,7 +794,8 @@ static const mrt_plugin_type type = {
     "org.marotte.pedal",
     "Pedal",
     MAROTTE_VERSION,
-    "Reads foot pedals on USB; address usb:1-2 (a socket), usb:05f3:00ff (a kind) or none",
+    "Reads USB foot pedals; address usb:1-2 (a USB port), usb:05f3:00ff (vendor and product) or "
+    "none",
     pedal_create,
     pedal_destroy,
 };

@@ -142,14 +142,14 @@ void advice_denied(char out[ADVICE_TEXT], const usb_device *device)
     find_node(node, device);
     if (layouts_find(device->vendor, device->product))
         snprintf(out, ADVICE_TEXT,
-                 "you may not use %s: sudo cp plugins/pedal/70-marotte.rules /etc/udev/rules.d/ "
-                 "&& " RELOAD,
+                 "you have no permission to use %s: run sudo cp plugins/pedal/70-marotte.rules "
+                 "/etc/udev/rules.d/ && " RELOAD,
                  node);
     else
         snprintf(out, ADVICE_TEXT,
-                 "you may not use %s: add SUBSYSTEM==\"usb\", ATTRS{idVendor}==\"%04x\", "
-                 "ATTRS{idProduct}==\"%04x\", TAG+=\"uaccess\" as a line to "
-                 "/etc/udev/rules.d/70-marotte.rules, then " RELOAD,
+                 "you have no permission to use %s: add SUBSYSTEM==\"usb\", "
+                 "ATTRS{idVendor}==\"%04x\", ATTRS{idProduct}==\"%04x\", TAG+=\"uaccess\" as a "
+                 "line to /etc/udev/rules.d/70-marotte.rules, then " RELOAD,
                  node, device->vendor, device->product);
 }
 
@@ -157,11 +157,11 @@ void advice_busy(char out[ADVICE_TEXT], const usb_device *device)
 {
     char holder[HOLDER];
     if (find_holder(holder, device))
-        snprintf(out, ADVICE_TEXT, "in use by %s: end that program, or its use of the pedal",
+        snprintf(out, ADVICE_TEXT, "in use by %s: close that program, or stop its use of the pedal",
                  holder);
     else
         snprintf(out, ADVICE_TEXT,
-                 "in use by another user's program: end it (sudo fuser -v /dev/bus/usb/%03u/%03u "
+                 "in use by another user's program: close it (sudo fuser -v /dev/bus/usb/%03u/%03u "
                  "names it)",
                  device->bus, device->number);
 }
@@ -169,15 +169,15 @@ void advice_busy(char out[ADVICE_TEXT], const usb_device *device)
 void advice_unknown(char out[ADVICE_TEXT], const usb_device *device)
 {
     snprintf(out, ADVICE_TEXT,
-             "not a pedal that is known: if it is one, teach its switches with "
-             "marotte devices --learn pedal:usb:%s",
+             "not a known pedal: if it is a pedal, teach its switches with marotte devices --learn "
+             "pedal:usb:%s",
              device->path);
 }
 
 void advice_no_endpoint(char out[ADVICE_TEXT], const usb_device *device)
 {
     snprintf(out, ADVICE_TEXT,
-             "usb:%04x:%04x has no HID interface that reports: it is no pedal, or it is damaged: "
-             "name another device",
+             "usb:%04x:%04x has no HID interface with reports: it is not a pedal, or it is "
+             "damaged. Name another device",
              device->vendor, device->product);
 }

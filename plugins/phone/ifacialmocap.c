@@ -76,11 +76,10 @@ static mrt_result open(mrt_plugin *self, const char *address, const double *para
     const char *rest = is_told ? address + 3 : address;
     close(self);
     if (rest[0] && !udp_address_parse(host, &port, rest, strlen(rest))) {
-        device_say(
-            self->host, MRT_LOG_ERROR,
-            "\"%.100s\" is no address: write where to listen, as in 0.0.0.0:%d, or to:HOST:%d "
-            "to send without being asked",
-            address, PORT, PORT);
+        device_say(self->host, MRT_LOG_ERROR,
+                   "\"%.100s\" is not an address: write an address to listen on, as in 0.0.0.0:%d, "
+                   "or to:HOST:%d to send without a request",
+                   address, PORT, PORT);
         return MRT_ERR_ARGUMENT;
     }
     udp_peer named;
@@ -142,22 +141,21 @@ static void welcome(mrt_plugin *self, const udp_peer *at, bool has_version_2)
     udp_peer_text(at, text, sizeof text);
     if (!receivers_find(&self->to, at) && !udp_peer_is_near(at)) {
         if (!self->has_told_far)
-            device_say(
-                self->host, MRT_LOG_WARNING,
-                "%s asks for the face and is in no network of this computer: it gets none. To "
-                "send there, add the output ifacialmocap:to:%s",
-                text, text);
+            device_say(self->host, MRT_LOG_WARNING,
+                       "ignored the request of %s: it is not in a network of this computer. To "
+                       "send there, add the output ifacialmocap:to:%s",
+                       text, text);
         self->has_told_far = true;
         return;
     }
     switch (receivers_greeted(&self->to, at, has_version_2, device_clock_ns())) {
     case RECEIVER_IS_NEW:
-        device_say(self->host, MRT_LOG_INFO, "%s asks for the face", text);
+        device_say(self->host, MRT_LOG_INFO, "%s requested the face", text);
         break;
     case RECEIVER_HAS_NO_PLACE:
         if (!self->has_told_full)
             device_say(self->host, MRT_LOG_WARNING,
-                       "%s asks for the face: %d others have it, and that is as many as can", text,
+                       "ignored the request of %s: the limit of %d receivers is reached", text,
                        RECEIVERS_MAX);
         self->has_told_full = true;
         break;
@@ -199,8 +197,8 @@ static void forget(mrt_plugin *self)
         udp_peer_text(&at, text, sizeof text);
         device_say(self->host, MRT_LOG_INFO,
                    end == RECEIVER_REFUSED
-                       ? "%s does not listen any more: it gets no face until it asks again"
-                       : "%s has not asked again for 12 hours: it gets no face until it does",
+                       ? "%s stopped listening: sending stops until its next request"
+                       : "%s sent no request for 12 hours: sending stops until its next request",
                    text);
     }
 }
@@ -264,9 +262,10 @@ static mrt_result send(mrt_plugin *self, const double *params, const mrt_face_sa
 static const char *const versions[] = {"1", "2", NULL};
 static const mrt_param params[PARAM_COUNT] = {
     [RATE] = {1, 0, "Rate", "Network", "Hz",
-              "At most so many faces a second; from the next opening on", 1, 240, 60, NULL},
+              "Largest number of faces per second. Used when the output is opened again", 1, 240,
+              60, NULL},
     [VERSION] = {2, MRT_PARAM_STEPPED, "Version", "Network", "",
-                 "Of the text that is sent without being asked (to:HOST:PORT)", 0, 1, 1, versions},
+                 "Version of the text sent without a request (to:HOST:PORT)", 0, 1, 1, versions},
 };
 static const mrt_face_output output = {open, begin, send, close};
 static const mrt_interface interfaces[] = {{MRT_FACE_OUTPUT, &output}, {NULL, NULL}};
@@ -278,7 +277,7 @@ static const mrt_plugin_type type = {
     "org.marotte.ifacialmocap",
     "iFacialMocap",
     MAROTTE_VERSION,
-    "The face as the app iFacialMocap sends it, to whoever asks",
+    "The face in the format of the app iFacialMocap, sent to each program that requests it",
     create,
     destroy,
 };

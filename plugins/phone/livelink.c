@@ -92,7 +92,7 @@ static mrt_result claim(mrt_plugin *self, int number)
         errno == EADDRINUSE) {
         give_back(self);
         device_say(self->to.host, MRT_LOG_ERROR,
-                   "another program sends there as this device: close that, or choose subject=%d",
+                   "another program sends there as the same device: close it, or set subject=%d",
                    number < SUBJECTS ? number + 1 : 1);
         return MRT_ERR_IO;
     }
@@ -177,14 +177,15 @@ static mrt_result send_face(mrt_plugin *self, const double *params, const mrt_fa
 static const char *const off_on[] = {"off", "on", NULL};
 static const mrt_param params[PARAM_COUNT] = {
     [RATE] = {1, 0, "Rate", "Network", "Hz",
-              "At most so many faces a second; from the next opening on", 1, 240, 60, NULL},
+              "Largest number of faces per second. Used when the output is opened again", 1, 240,
+              60, NULL},
     [SWAP] = {2, MRT_PARAM_STEPPED, "Swap laterals", "Network", "",
-              "JawRight and MouthRight before the left ones: for receivers whose jaw and mouth go "
-              "to the wrong side",
+              "Send JawRight and MouthRight before the left ones, for receivers whose jaw and "
+              "mouth move to the wrong side",
               0, 1, 0, off_on},
     [SUBJECT] = {3, MRT_PARAM_STEPPED, "Subject", "Network", "",
-                 "Which of several: its name is marotte, marotte2 ..., its device another", 1,
-                 SUBJECTS, 1, NULL},
+                 "Number of the subject, named marotte, marotte2 ...; each has its own device id",
+                 1, SUBJECTS, 1, NULL},
 };
 static const mrt_face_output output = {open_output, begin, send_face, close_output};
 static const mrt_interface interfaces[] = {{MRT_FACE_OUTPUT, &output}, {NULL, NULL}};
@@ -196,7 +197,7 @@ static const mrt_plugin_type type = {
     "org.marotte.livelink",
     "Live Link Face",
     MAROTTE_VERSION,
-    "The face as the app Live Link Face sends it, to Unreal's Apple ARKit source and others",
+    "The face in the format of the app Live Link Face, for Unreal's Apple ARKit source and others",
     create,
     destroy,
 };

@@ -59,7 +59,7 @@ static void input_close(mrt_plugin *self)
     if (self->socket < 0)
         return;
     if (self->faulty_count > 0)
-        device_say(self->host, MRT_LOG_INFO, "port %u: %u datagrams were no face",
+        device_say(self->host, MRT_LOG_INFO, "port %u: %u datagrams did not contain a face",
                    (unsigned)self->port, self->faulty_count);
     udp_close(self->socket);
     trace_close(&self->trace);
@@ -89,7 +89,7 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
     self->port = PORT_LIVE_LINK;
     if (address[0] && !udp_address_parse(named, &self->port, address, strlen(address))) {
         device_say(self->host, MRT_LOG_ERROR,
-                   "\"%.60s\" is no port: write phone:11111 for Live Link Face, phone:49983 or "
+                   "\"%.60s\" is not a port: write phone:11111 for Live Link Face, phone:49983 or "
                    "phone:192.168.1.30:49983 (the phone's address) for iFacialMocap, phone:11573 "
                    "for OpenSeeFace",
                    address);
@@ -131,8 +131,8 @@ static void ask(mrt_plugin *self)
     self->has_told_failure = true;
     udp_peer_text(&self->phone, text, sizeof text);
     device_say(self->host, MRT_LOG_WARNING,
-               "port %u: the phone at %s cannot be asked to send (%s): write its address, as "
-               "in phone:192.168.1.30:%u; listening on",
+               "port %u: cannot send the request to the phone at %s (%s): write its address, as in "
+               "phone:192.168.1.30:%u. Still listening",
                (unsigned)self->port, text, strerror(error), (unsigned)self->port);
 }
 
@@ -154,7 +154,7 @@ static void tell_other(mrt_plugin *self, const udp_peer *peer, const char *why)
         return;
     self->has_told_other = true;
     udp_peer_text(peer, text, sizeof text);
-    device_say(self->host, MRT_LOG_WARNING, "port %u: %s sends a face too and is not heard: %s",
+    device_say(self->host, MRT_LOG_WARNING, "port %u: ignored a second face from %s: %s",
                (unsigned)self->port, text, why);
 }
 
@@ -162,7 +162,7 @@ static bool admit(mrt_plugin *self, const udp_peer *peer, int64_t now_ns)
 {
     if (udp_owner_admits_single(&self->owner, peer, now_ns))
         return true;
-    tell_other(self, peer, "two phones are two inputs at two ports");
+    tell_other(self, peer, "open a second input on another port for it");
     return false;
 }
 
@@ -173,8 +173,8 @@ static void refuse(mrt_plugin *self, size_t size)
         return;
     self->has_told_fault = true;
     device_say(self->host, MRT_LOG_WARNING,
-               "port %u: a datagram of %zu bytes is no face that is known here: Live Link Face, "
-               "iFacialMocap and OpenSeeFace are",
+               "port %u: ignored a datagram of %zu bytes: expected Live Link Face, iFacialMocap or "
+               "OpenSeeFace",
                (unsigned)self->port, size);
 }
 
@@ -209,7 +209,7 @@ static bool take(mrt_plugin *self, size_t size, const udp_peer *peer, const doub
         return false; /* our own, broadcast */
     if (self->heard == HEARD_PHONE_ALONE &&
         memcmp(peer->ip, self->phone.ip, sizeof peer->ip) != 0) {
-        tell_other(self, peer, "the address of another phone was given");
+        tell_other(self, peer, "the input is set to the address of another phone");
         return false;
     }
     if (phone_parse(&frame, self->datagram, size, laterals) == PHONE_NONE) {
@@ -289,9 +289,9 @@ static void fill_device(uint16_t port, mrt_device *out)
     (void)snprintf(out->address, sizeof out->address, "%u", (unsigned)port);
     (void)snprintf(out->name, sizeof out->name, "Face from a phone or a webcam program");
     (void)snprintf(out->advice, sizeof out->advice,
-                   "send it here: in Live Link Face write the target %s port 11111; "
-                   "iFacialMocap: phone:49983, OpenSeeFace: phone:11573",
-                   own[0] ? own : "(this computer is in no network)");
+                   "Live Link Face: set the target to %s port 11111; iFacialMocap: open "
+                   "phone:49983; OpenSeeFace: open phone:11573",
+                   own[0] ? own : "(this computer has no network)");
 }
 
 static uint32_t list_devices(mrt_plugin *self, mrt_device *out, uint32_t capacity)
@@ -335,8 +335,8 @@ static void destroy(mrt_plugin *self)
 static const char *const laterals_label[] = {"left first", "right first", NULL};
 static const mrt_param params[PARAM_COUNT] = {
     [PARAM_LATERALS] = {1, MRT_PARAM_STEPPED, "laterals", "Phone", "",
-                        "Which of jaw left and right, mouth left and right Live Link sends first: "
-                        "change it when the mouth goes to the wrong side",
+                        "Order of left and right for jaw and mouth in Live Link: change it if the "
+                        "mouth moves to the wrong side",
                         PHONE_LEFT_FIRST, PHONE_RIGHT_FIRST, PHONE_LEFT_FIRST, laterals_label},
 };
 
@@ -353,7 +353,7 @@ static const mrt_plugin_type type = {
     "org.marotte.phone",
     "Phone",
     MAROTTE_VERSION,
-    "A face that a phone or a webcam program sends: Live Link Face, iFacialMocap, OpenSeeFace",
+    "A face from a phone or a webcam program: Live Link Face, iFacialMocap, OpenSeeFace",
     create,
     destroy,
 };

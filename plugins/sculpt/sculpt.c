@@ -224,17 +224,18 @@ static const char *const tool_labels[] = {"Push", "Pull", "Smooth", "Grab", NULL
 static const mrt_param params[PARAM_COUNT] = {
     PLACEMENT_PARAMS_WITH(1, 1, 85, 78, 80, 50, 0),
     {12, MRT_PARAM_STEPPED, "Tool", "Tool", "",
-     "Push: only motion into the face counts, deeper than before. Pull: only out of it. Smooth: the face eases back "
-     "while the hand moves near it. Grab: all motion.", 0, TOOL_COUNT - 1, 0, tool_labels},
-    {13, MRT_PARAM_STEPPED, "Tool pedal", "Tool", "", "Pedal that takes the next tool.",
+     "Push: only deeper motion into the face. Pull: only out of it. "
+     "Smooth: ease back near the moving hand. Grab: all motion.",
+     0, TOOL_COUNT - 1, 0, tool_labels},
+    {13, MRT_PARAM_STEPPED, "Tool pedal", "Tool", "", "Pedal that selects the next tool.",
      0, 4, 0, clutch_pedal_labels},
     {14, 0, "Radius", "Tool", "%",
      "Support radius of each point, in per cent of the face's height.", 2, 200, 30, NULL},
     {15, 0, "Strength", "Tool", "%",
-     "How much of the hand's motion the clay follows; when smoothing, how fast it eases back.",
+     "Share of the hand's motion that the clay follows; when smoothing, speed of easing back.",
      0, 200, 80, NULL},
     {16, 0, "Leak", "Tool", "s",
-     "Time in which the shape eases back to its base by itself; 0: never, as clay.",
+     "Time in which the shape eases back to its base by itself. 0: never, like clay.",
      0, 60, 0, NULL},
     CLUTCH_PARAMS,
 };

@@ -37,7 +37,8 @@ static mrt_result open_hand(mrt_plugin *self, const char *address, const double 
                                                "middle.pij", "ring.mpj",  "ring.pij",
                                                "little.mpj", "little.pij"};
     if (address && address[0]) {
-        self->host->log(self->host, MRT_LOG_ERROR, "has no address: write --input template_name");
+        self->host->log(self->host, MRT_LOG_ERROR,
+                        "this input takes no address: write --input template_name");
         return MRT_ERR_ARGUMENT; /* explained above, as every error is */
     }
     uint32_t hand = params[HAND] < 0.5 ? (uint32_t)MRT_LEFT : (uint32_t)MRT_RIGHT;
@@ -95,8 +96,9 @@ static void close_hand(mrt_plugin *self) /* as open */
 static const char *const hand_labels[] = {"Left", "Right", NULL};
 static const mrt_param params[PARAM_COUNT] = {
     /* id (for ever), flags, name, group, unit, help, min, max, initial, labels */
-    {1, 0, "Seconds", "Hand", "s", "How long it goes on.", 0, 3600, 10, NULL},
-    {2, MRT_PARAM_STEPPED, "Hand", "Hand", "", "Whose hand it is, when it is opened.",
+    {1, 0, "Seconds", "Hand", "s", "Duration of the movement.", 0, 3600, 10, NULL},
+    {2, MRT_PARAM_STEPPED, "Hand", "Hand", "",
+     "Hand that is played. Read when the input is opened.",
      MRT_LEFT, MRT_RIGHT, MRT_RIGHT, hand_labels},
 };
 /* MRT_INPUT_RECORDED: it waits through the host alone, so it may be run faster than life. The

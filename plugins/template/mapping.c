@@ -116,7 +116,8 @@ static mrt_result load(mrt_plugin *self, const void *bytes, size_t size) /* [fra
 /* clang-format off */
 static const mrt_param params[PARAM_COUNT] = {
     /* id (for ever), flags, name, group, unit, help, min, max, initial, labels */
-    {1, 0, "Push", "Face", "%", "How far a fist pushes, in per cent of the face's height.",
+    {1, 0, "Push", "Face", "%",
+     "Movement of the face for a fist, in per cent of the face's height.",
      -10, 10, 3, NULL},
     {2, 0, "Ease", "Face", "s", "Time in which the face follows the hand.", 0, 1, 0.05, NULL},
 };

@@ -54,7 +54,8 @@ static mrt_result open_output(mrt_plugin *self, const char *address, const doubl
     memset(&to, 0, sizeof to);
     if ((address[0] && sscanf(address, "%63[0-9.]:%u", host, &port) != 2) || port > 65535 ||
         inet_pton(AF_INET, host, &to.sin_addr) != 1) {
-        snprintf(text, sizeof text, "\"%.60s\" is no address: write 127.0.0.1:%d", address, PORT);
+        snprintf(text, sizeof text, "\"%.60s\" is not an address: write 127.0.0.1:%d", address,
+                 PORT);
         self->host->log(self->host, MRT_LOG_ERROR, text);
         return MRT_ERR_ARGUMENT; /* explained above, as every error is */
     }
@@ -104,14 +105,14 @@ static mrt_result send_face(mrt_plugin *self, const double *params, const mrt_fa
 /* clang-format off */
 static const mrt_param params[PARAM_COUNT] = {
     /* id (for ever), flags, name, group, unit, help, min, max, initial, labels */
-    {1, 0, "Least", "Content", "", "A weight below it is not said.", 0, 1, 0.01, NULL},
+    {1, 0, "Least", "Content", "", "Smallest weight that is sent.", 0, 1, 0.01, NULL},
 };
 static const mrt_face_output output = {open_output, begin, send_face, close_output};
 static const mrt_interface interfaces[] = {{MRT_FACE_OUTPUT, &output}, {NULL, NULL}};
 static const mrt_plugin_type type = {
     MRT_ABI, PARAM_COUNT, params, interfaces,
     "org.example.template_name", "template_name", "1.0",
-    "The face as lines of text, by UDP.", create, destroy};
+    "The face as lines of text over UDP.", create, destroy};
 /* clang-format on */
 
 const mrt_plugin_type *const marotte_plugins[] = {&type, NULL}; /* the library's one symbol */

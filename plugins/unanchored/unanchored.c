@@ -124,14 +124,15 @@ MEMORY_RESUME(memory_of);
 /* clang-format off */
 static const mrt_param params[PARAM_COUNT] = {
     PLACEMENT_PARAMS,
-    {12, 0, "Gain", "Pull", "", "How far the points move when the hand moves by 1.",
+    {12, 0, "Gain", "Pull", "", "Movement of the points for a movement of 1 of the hand.",
      0, 4, 0.35, NULL},
     {13, 0, "Radius", "Pull", "%",
      "Support radius of each point, in per cent of the face's height.", 2, 200, 25, NULL},
     {14, MRT_PARAM_STEPPED, "Gate", "Pull", "",
-     "Move the face only while a point is within its radius of it.", 0, 1, 1, placement_off_on_labels},
+     "Move the face only while a point is within its radius of it.",
+     0, 1, 1, placement_off_on_labels},
     {15, 0, "Leak", "Pull", "s",
-     "Time in which the shape eases back to its base; 0: never, as clay.", 0, 60, 0, NULL},
+     "Time in which the shape eases back to its base. 0: never, like clay.", 0, 60, 0, NULL},
     SOLVER_PARAMS,
     CLUTCH_PARAMS,
 };
@@ -148,7 +149,7 @@ static const mrt_plugin_type unanchored = {
     "org.marotte.unanchored",
     "Unanchored",
     "1.0",
-    "Fingertips move whatever they are near, and it stays: clay.",
+    "Fingertips move the skin near them, and it stays there like clay.",
     create,
     mapping_destroy,
 };

@@ -35,8 +35,8 @@ static bool open_pipe(microphone *self, const char *path, char out_reason[MICROP
     if (self->pipe >= 0)
         return true;
     (void)snprintf(out_reason, MICROPHONE_REASON,
-                   is_pipe ? "%.100s: you may not open it"
-                           : "%.100s is no pipe: make one with mkfifo, and send sound into it: "
+                   is_pipe ? "%.100s: you have no permission to open it"
+                           : "%.100s is not a pipe: create one with mkfifo and write sound to it: "
                              "arecord -t raw -f S16_LE -r 48000 -c 1",
                    path);
     return false;
@@ -81,13 +81,12 @@ static const char *advice(int error)
     case -ENOENT:
     case -ENODEV:
     case -ENXIO:
-        return "there is no such microphone: plug it in, or see what there is with: marotte "
-               "devices";
+        return "no such microphone: plug it in, or list the devices with: marotte devices";
     case -EACCES:
     case -EPERM:
-        return "you may not open it: sudo adduser $USER audio, then log in again";
+        return "you have no permission to open it: run sudo adduser $USER audio, then log in again";
     case -EBUSY:
-        return "another program has it for itself: end that, or leave the name out";
+        return "another program uses it exclusively: close that program, or leave the name out";
     default:
         return snd_strerror(error);
     }
@@ -194,7 +193,7 @@ static bool open_pcm(microphone *self, const char *name, char out_reason[MICROPH
 {
     (void)self;
     (void)snprintf(out_reason, MICROPHONE_REASON,
-                   "%.100s: marotte was built without libasound2-dev, only pipes can be heard",
+                   "%.100s: marotte was built without libasound2-dev and can only read pipes",
                    name);
     return false;
 }
@@ -299,7 +298,8 @@ mrt_result listener_open(listener *self, const char *address, const char *called
 
 static mrt_result lose(listener *self)
 {
-    device_say(self->host, MRT_LOG_ERROR, "%.100s went away: plug it in again", self->device.name);
+    device_say(self->host, MRT_LOG_ERROR, "%.100s was disconnected: plug it in again",
+               self->device.name);
     self->has_told_loss = true;
     stop(self);
     return MRT_ERR_IO;

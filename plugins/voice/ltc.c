@@ -101,8 +101,8 @@ static const mrt_plugin_type type = {
     "org.marotte.ltc",
     "LTC",
     MAROTTE_VERSION,
-    "Linear time code (LTC, SMPTE 12M) from a sound input: the clock of takes (ltc, ltc:hw:1), or "
-    "from a pipe with sound in it (ltc:./pipe)",
+    "Linear time code (LTC, SMPTE 12M) as the clock of takes, from a sound input (ltc, ltc:hw:1) "
+    "or a pipe with sound (ltc:./pipe)",
     create,
     listener_destroy,
 };

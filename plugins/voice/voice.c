@@ -112,7 +112,7 @@ static const mrt_plugin_type type = {
     "org.marotte.voice",
     "Voice",
     MAROTTE_VERSION,
-    "How loud you speak: a microphone (voice, voice:hw:1), or a pipe with sound in it "
+    "Loudness of your voice, from a microphone (voice, voice:hw:1) or a pipe with sound "
     "(voice:./pipe)",
     create,
     listener_destroy,

@@ -130,8 +130,7 @@ static void ask_for_token(mrt_plugin *self)
     self->stage = STAGE_TOKEN;
     (void)ask(self, "AuthenticationTokenRequest", who());
     if (!self->is_told)
-        device_say(self->host, MRT_LOG_WARNING,
-                   "VTube Studio asks there whether marotte may: allow it");
+        device_say(self->host, MRT_LOG_WARNING, "allow marotte in the dialog of VTube Studio");
     self->is_told = true;
 }
 
@@ -205,7 +204,7 @@ static void keep_token(mrt_plugin *self)
     size_t size = strlen(self->token);
     if (fd < 0 || write(fd, self->token, size) != (ssize_t)size)
         device_say(self->host, MRT_LOG_WARNING,
-                   "the token could not be kept: VTube Studio will ask again next time");
+                   "cannot store the token: VTube Studio will ask again next time");
     if (fd >= 0)
         (void)close(fd);
 }
@@ -321,8 +320,8 @@ static mrt_result open_output(mrt_plugin *self, const char *address, const doubl
     self->port = PORT;
     if (address[0] && !udp_address_parse(self->host_name, &self->port, address, strlen(address))) {
         device_say(self->host, MRT_LOG_ERROR,
-                   "\"%.100s\" is no address: expected HOST:PORT, as in 192.168.1.20:%d", address,
-                   PORT);
+                   "\"%.100s\" is not an address: expected HOST:PORT, as in 192.168.1.20:%d",
+                   address, PORT);
         return MRT_ERR_ARGUMENT;
     }
     wants->rate_hz = params[RATE];
@@ -390,10 +389,10 @@ static void close_output(mrt_plugin *self)
 static const char *const off_on[] = {"off", "on", NULL};
 static const mrt_param params[PARAM_COUNT] = {
     [RATE] = {1, 0, "Rate", "Network", "Hz",
-              "At most so many faces a second; from the next opening on", 1, 120, 60, NULL},
+              "Largest number of faces per second. Used when the output is opened again", 1, 120,
+              60, NULL},
     [FORGET] = {2, MRT_PARAM_STEPPED, "Ask again", "Network", "",
-                "The token that was kept is not used: VTube Studio asks once more", 0, 1, 0,
-                off_on},
+                "Ignore the stored token, so that VTube Studio asks again", 0, 1, 0, off_on},
 };
 static const mrt_face_output output = {open_output, begin, send_face, close_output};
 static const mrt_interface interfaces[] = {{MRT_FACE_OUTPUT, &output}, {NULL, NULL}};
@@ -405,7 +404,7 @@ static const mrt_plugin_type type = {
     "org.marotte.vts",
     "VTube Studio",
     MAROTTE_VERSION,
-    "The face as parameters of VTube Studio, by its API over WebSocket",
+    "The face as parameters of VTube Studio, through its WebSocket API",
     create,
     destroy,
 };
