@@ -1,12 +1,12 @@
-/* hands/placement.h - where a performer's hands stand in a face, for mappings that pull with points
- * of the hand: which points, their size, posture and place. The first frame in which a hand is
- * present is laid at the place asked for (the centre of its fingertips there); from then on the
- * hand moves freely. Pure functions of frame and parameters; [frame]. */
+/* hands/placement.h - placement of a performer's hands in a face, for mappings that pull with
+ * points of the hand: which points, their size, posture and position. In the first frame with a
+ * hand, the centre of its fingertips is placed at the position set by the parameters. After that
+ * the hand moves freely. Pure functions of frame and parameters; [frame]. */
 #ifndef MAROTTE_PLUGINS_HANDS_PLACEMENT_H
 #define MAROTTE_PLUGINS_HANDS_PLACEMENT_H
 #include <marotte/plugin.h>
 
-/* The parameters, first in the table of every mapping that uses them, in this order. */
+/* The parameters in this order, first in the table of every mapping that uses them. */
 enum {
     PLACEMENT_HANDS = 0, /* which hands pull */
     PLACEMENT_PALM,      /* palm points too */
@@ -61,51 +61,52 @@ extern const char *const placement_posture_labels[];
 typedef struct placement {
     mrt_vec3 low, size; /* of the face, mm */
     bool is_laid[2];
-    mrt_vec3 home[2]; /* hand frame: what lies at the place asked for */
-    bool has_told;    /* that points share a place */
+    mrt_vec3 home[2]; /* hand frame: point placed at the position of the parameters */
+    bool has_told;    /* whether the warning about shared points was logged */
 } placement;
 
-/* For a memory_list: what activate does not derive. */
+/* For a memory_list: the state that activate does not derive. */
 #define PLACEMENT_MEMORY(placement)                                                                \
     MEMORY_BOOLS((placement).is_laid), MEMORY_FLOATS((placement).home)
 
 void placement_activate(placement *self, const mrt_face *face);
-void placement_reset(placement *self); /* the next frame lays the hands anew */
+void placement_reset(placement *self); /* the next frame places the hands again */
 
-/* Whether this hand is present and asked for. */
+/* Returns true if this hand is present and selected by the parameters. */
 bool placement_pulls(const mrt_frame *frame, uint32_t side);
 
-/* The points of the hands in the face frame, mm: per hand (left first) the fingertips from thumb to
- * little, then the palm points. Returns their number, 0 when no hand that pulls is present. */
+/* Writes the points of the hands in the face frame, mm: per hand (left first) the fingertips from
+ * thumb to little finger, then the palm points. Returns their number; 0 if no selected hand is
+ * present. */
 uint32_t placement_points(placement *self, const mrt_frame *frame,
                           mrt_vec3 out_point[PLACEMENT_POINTS_MAX]);
 
-/* Points that are near to each other beside the radius, or joined by such, share one place, or they
- * would tear at it, which is logged once: out_leader[i] is the first point of the place of point i.
- */
+/* Groups points that are near to each other compared with the radius, directly or through other
+ * points. Such points share one place, because otherwise they would tear the surface; this is
+ * logged once. out_leader[i] is the first point of the group of point i. */
 void placement_share(placement *self, const mrt_host *host, const mrt_vec3 *point, uint32_t count,
                      float radius_mm, uint32_t out_leader[PLACEMENT_POINTS_MAX]);
-/* Each point becomes the mean of those that share its place. */
+/* Replaces each point by the mean of its group. */
 void placement_blend(mrt_vec3 *point, uint32_t count, const uint32_t *leader);
 
-/* p, or the nearest place that is no further from the face than four times its size: the host's
- * guard holds the whole pull beyond ten. For points that add up what hands do. */
+/* Returns p, or the nearest point within four sizes of the face: the host rejects a pull beyond
+ * ten. For mappings that add up the movements of hands. */
 mrt_vec3 placement_within_reach(const placement *self, mrt_vec3 p);
 
-/* The height of the face, mm, at least 1. */
+/* Returns the height of the face, mm, at least 1. */
 float placement_face_height(const placement *self);
 
-/* ---- how the paper's two mappings have their field solved: its radius in mm, how far the skin may
- * be stretched, or all of it to the letter of the paper ---- */
+/* ---- solver settings of the paper's two mappings: the radius in mm, the largest stretch of the
+ * skin, or the exact method of the paper ---- */
 
-/* Of the parameters, in the order of SOLVER_PARAMS. */
+/* Parameter indices, in the order of SOLVER_PARAMS. */
 enum { SOLVER_PRESET, SOLVER_RADIUS_MM, SOLVER_STRETCH, SOLVER_COUNT };
 
-/* The paper to the letter: its linear polynomial, gain 1, no soft reach, one step a sample, and
- * nothing held back: what that folds and tears is counted. */
+/* The exact method of the paper: its linear polynomial, gain 1, no soft reach, one step per sample,
+ * and no limits. Folds and tears are only counted. */
 bool solver_is_paper(const double *solver);
 
-/* The pull's radius and how it is solved. share_mm: the radius where it is not said in mm. */
+/* Sets the pull's radius and solver. share_mm: the radius, unless it is set in mm. */
 void solver_set(mrt_pull *pull, const double *solver, float share_mm);
 
 extern const char *const solver_preset_labels[];
