@@ -1,5 +1,5 @@
 /* cyberglove.c - the input plugin "org.marotte.cyberglove": a CyberGlove of 18 or 22 sensors, over
- * a serial port or the network. Raw values: what they mean is calibration's. */
+ * a serial port or the network. Returns raw values; the calibration converts them. */
 #include <marotte/plugin.h>
 
 #include "device_io.h"
@@ -25,7 +25,7 @@ enum {
 };
 
 enum { NAME_LENGTH = 32 };
-/* Words have 12 bits, bytes 8: in both "count" is the same. */
+/* Words have 12 bits, bytes 8. This scales both to the same "count". */
 static const float count_per_word = 1.0f / 16.0f;
 static const uint32_t bauds[] = {115200, 57600, 38400, 19200, 9600, 4800};
 static const int64_t lost_pause_ns = 100000000;
@@ -36,7 +36,7 @@ struct mrt_plugin {
     glove_memory memory;
     bool is_open, asked_to_restart, has_told_loss;
     double opened_with[PARAM_COUNT];
-    uint32_t sensor_count, channel_count; /* the switch, if it is one, comes last */
+    uint32_t sensor_count, channel_count; /* the switch, if it is a channel, is the last one */
     mrt_channel channel[MRT_MAX_CHANNELS];
     char name[MRT_MAX_CHANNELS][NAME_LENGTH];
     mrt_sample last;
@@ -88,7 +88,7 @@ static double within(double value, double low, double high)
     return value < high ? value : high;
 }
 
-/* A glove's period has two words: nothing slower than once a second. */
+/* The period of a glove has two words, so the slowest rate is once per second. */
 static double rate_of(double hz)
 {
     return hz > 0 ? within(hz, 1.0, 400.0) : 0.0;
@@ -203,7 +203,7 @@ static void fill_sample(mrt_plugin *self, const glove_record *record, int64_t ti
     self->has_last = true;
 }
 
-/* A switch that was down must not stay down because its glove is gone. */
+/* Releases the switch, so that it does not stay down after the glove is lost. */
 static bool release_switch(mrt_plugin *self, mrt_sample *out)
 {
     if (!self->has_last || self->channel_count == self->sensor_count ||
@@ -217,8 +217,8 @@ static bool release_switch(mrt_plugin *self, mrt_sample *out)
     return true;
 }
 
-/* Said with the error, which may come one read after the loss. A host that goes on reading from a
- * glove that is gone is not to spin. */
+/* Returns an error while the glove is lost. The error may come one read after the loss. Waits, so
+ * that a host that keeps reading does not spin. */
 static mrt_result stay_lost(mrt_plugin *self, int64_t deadline_ns)
 {
     if (!self->has_told_loss) {

@@ -8,10 +8,12 @@
 
 static const int64_t NS_PER_MS = 1000000, NS_PER_S = 1000000000;
 static const int64_t quiet_ms = 1000, stop_pause_ms = 50, poll_again_ms = 250;
-static const int64_t silence_ms = 25, silence_limit_ms = 100; /* a USB adapter may wait for 16 ms */
-/* Records that waited for us to begin are old: at most so many bytes of them are thrown away. */
+static const int64_t silence_ms = 25,
+                     silence_limit_ms = 100; /* a USB adapter may hold bytes for 16 ms */
+/* Records that arrived before reading began are old: at most this many bytes of them are
+ * discarded. */
 static const size_t stale_limit = 65536;
-/* A started record is waited for without looking for most of the time that its bytes take. */
+/* For most of the transfer time of a started record, the port is not polled. */
 static const int64_t nap_least_ns = 300000;
 
 static int64_t scaled_ns(const glove_drive *self, int64_t limit_ms)
@@ -53,7 +55,8 @@ static void begin(glove_drive *self)
     self->good_ns = device_clock_ns();
 }
 
-/* The port's old settings may echo: what is still coming would go back to the glove as orders. */
+/* Discards pending bytes. With the port's old settings the system may echo them to the glove as
+ * commands. */
 static void let_fall_silent(glove_drive *self)
 {
     unsigned char ignored[256];
@@ -81,10 +84,10 @@ bool glove_drive_switch(const glove_drive *self)
     return (self->status & GLOVE_STATUS_SWITCH) != 0;
 }
 
-/* ---- what a record says ---- */
+/* ---- checking a record ---- */
 
-/* A status in which only what people switch has changed is believed at once, another when it comes
- * twice: one damaged byte must not press a pedal. */
+/* Updates the status. A change of switch or light only is accepted immediately. Any other change
+ * must come twice, because one damaged byte must not press a pedal. */
 static void believe_status(glove_drive *self, uint8_t status)
 {
     uint8_t changed = status ^ self->status;
@@ -112,8 +115,8 @@ static void say_complaints(glove_drive *self, const glove_record *record)
                          self->port.name);
 }
 
-/* False: a record that is only counted. One complaint is a loose contact and its record is given;
- * after several in a row there is no hand in what is measured. */
+/* Returns false for a record that is only counted. One "not plugged in" flag is a loose contact,
+ * and its record is used. After several in a row the values are not of a hand. */
 static bool accept(glove_drive *self, glove_record *record, int64_t *out_time_ns)
 {
     believe_status(self, record->status);
@@ -143,7 +146,7 @@ static bool next_record(glove_drive *self, glove_record *out, int64_t *out_time_
 
 /* ---- bytes ---- */
 
-/* As glove_port_read, into the parser. */
+/* Like glove_port_read, but into the parser. */
 static int take_bytes(glove_drive *self, int64_t until_ns)
 {
     unsigned char bytes[GLOVE_PARSE_BYTES];
@@ -158,7 +161,8 @@ static int take_bytes(glove_drive *self, int64_t until_ns)
     return got;
 }
 
-/* What piled up between open() and the first read() was measured then, not now. */
+/* Discards bytes that arrived between open() and the first read(), because they were measured
+ * then. */
 static void skip_stale(glove_drive *self)
 {
     glove_record ignored;
@@ -212,7 +216,7 @@ static int64_t quiet_limit_ns(const glove_drive *self)
     return periods_ns > limit_ns ? periods_ns : limit_ns;
 }
 
-/* Ctrl-C now, and once it has had its effect (resume_ns) the order to send again. */
+/* Sends Ctrl-C now, and the start command after it has taken effect (resume_ns). */
 static mrt_result restart(glove_drive *self, int64_t now_ns)
 {
     const char stop = GLOVE_CTRL_C;
@@ -223,7 +227,7 @@ static mrt_result restart(glove_drive *self, int64_t now_ns)
     return glove_port_write(&self->port, &stop, 1) ? MRT_OK : lose(self, "the port was closed");
 }
 
-/* What makes no sense was records as well. */
+/* Counts unreadable bytes as lost records. */
 static void count_garbage(glove_drive *self)
 {
     size_t size = glove_layout_size(&self->unit.layout);
@@ -262,7 +266,7 @@ static int64_t next_check_ns(const glove_drive *self)
     return (self->has_restarted ? self->restarted_ns : self->good_ns) + quiet_limit_ns(self);
 }
 
-/* ---- asking for each record ---- */
+/* ---- polling ---- */
 
 static int64_t next_ask_ns(const glove_drive *self)
 {
@@ -274,7 +278,7 @@ static mrt_result ask(glove_drive *self, int64_t now_ns)
 {
     if (!self->unit.is_polled || self->resume_ns > 0 || now_ns < next_ask_ns(self))
         return MRT_OK;
-    /* Keeps the rhythm, unless it was lost. */
+    /* Keeps the polling interval, unless it was missed. */
     int64_t due_ns = next_ask_ns(self);
     bool is_late = self->has_asked || now_ns - due_ns > self->unit.period_ns;
     self->asked_ns = is_late ? now_ns : due_ns;
@@ -285,7 +289,7 @@ static mrt_result ask(glove_drive *self, int64_t now_ns)
 
 /* ---- reading ---- */
 
-/* The deadline in the time of the port. */
+/* Converts the deadline to the port's clock. */
 static int64_t port_deadline_ns(const glove_drive *self, int64_t deadline_ns)
 {
     int64_t now_ns = self->host->now_ns(self->host);
@@ -334,7 +338,7 @@ mrt_result glove_drive_read(glove_drive *self, int64_t deadline_ns, glove_record
 
 static const int64_t connect_limit_ms = 2000;
 
-/* The adapter's port at which a glove is looked for, and how. */
+/* Parameters of one attempt to open a glove. */
 typedef struct attempt {
     glove_drive *drive;
     const char *root;
@@ -400,7 +404,7 @@ static void add_reason(glove_why *all, const char *reason)
     snprintf(all->text + used, sizeof all->text - used, "%s%.300s", used ? "; " : "", reason);
 }
 
-/* False: the port is not to be disturbed, and why. */
+/* Returns false, with the reason, if the port must not be used. */
 static bool may_ask(const char *path, glove_why *why)
 {
     char text[384];
@@ -423,7 +427,8 @@ static bool is_wanted_hand(const glove_drive *drive)
     return settings == GLOVE_HAND_AUTO || (settings == GLOVE_HAND_LEFT) == is_left;
 }
 
-/* Among several, the side that the glove itself reports decides, not the requested one. */
+/* Checks the side. With several gloves, the side that the glove reports counts, not the requested
+ * one. */
 static mrt_result open_found(const attempt *by, const glove_found *port)
 {
     int settings = by->drive->settings.hand;
@@ -468,7 +473,7 @@ static mrt_result open_again(const attempt *by, glove_memory *memory)
 
 /* ---- addresses ---- */
 
-/* A port that the person named; one that was there and is gone may be back under another name. */
+/* Opens a port named by the user. A glove that was lost may have another port name now. */
 static mrt_result open_named(const attempt *by, const char *path, bool is_again,
                              glove_memory *memory)
 {

@@ -4,23 +4,23 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- questions and orders, each with a limit of its own and all with one in common; given up
- * early when the host stops ---- */
+/* ---- questions and commands: each has its own time limit, and all share one; cancelled when the
+ * host stops ---- */
 
 enum { HEARD_MAX = 1024 };
 
 typedef struct glove_talk {
     glove_port *port;
     const mrt_host *host;
-    double patience;     /* all limits, times this */
-    int64_t deadline_ns; /* of the whole talk; device_clock_ns */
+    double patience;     /* factor for all timeouts */
+    int64_t deadline_ns; /* of the whole start-up; device_clock_ns */
     bool is_gone, is_stopping;
-    unsigned char heard[HEARD_MAX]; /* since the last question; the newest when it is full */
+    unsigned char heard[HEARD_MAX]; /* bytes since the last question; the newest ones if full */
     size_t heard_count, heard_ever;
 } glove_talk;
 
 static const int64_t NS_PER_MS = 1000000;
-/* How long a wait may take before the host is asked whether it is stopping. */
+/* Longest wait before checking whether the host is stopping. */
 static const int64_t slice_ns = 50000000;
 static const int64_t settle_quiet_ms = 40, settle_most_ms = 200;
 
@@ -39,7 +39,7 @@ static void talk_init(glove_talk *self, glove_port *port, const mrt_host *host, 
     self->deadline_ns = talk_until(self, limit_ms);
 }
 
-/* Whether it makes sense to go on: neither gone, nor stopping, nor out of time. */
+/* Returns true while the start-up can continue: port open, host running, time left. */
 static bool talk_goes_on(const glove_talk *self)
 {
     return !self->is_gone && !self->is_stopping && device_clock_ns() < self->deadline_ns;
@@ -51,7 +51,7 @@ static void talk_say(glove_talk *self, const void *bytes, size_t size)
         self->is_gone = true;
 }
 
-/* A host that stops returns before the time is up. */
+/* The wait of a stopping host returns early. */
 static void look_for_stop(glove_talk *self)
 {
     int64_t soon_ns = self->host->now_ns(self->host) + NS_PER_MS;
@@ -72,7 +72,7 @@ static void remember(glove_talk *self, const unsigned char *bytes, size_t count)
     self->heard_ever += count;
 }
 
-/* Listens until bytes have come or the limit is over; how many came. */
+/* Receives until bytes arrive or the time is over. Returns their number. */
 static size_t talk_hear(glove_talk *self, int64_t until_ns)
 {
     unsigned char bytes[256];
@@ -94,7 +94,7 @@ static size_t talk_hear(glove_talk *self, int64_t until_ns)
     return 0;
 }
 
-/* Listens for so long; false: the talk is over. */
+/* Receives for this time. Returns false if the start-up must end. */
 static bool talk_listen(glove_talk *self, int64_t limit_ms)
 {
     int64_t until_ns = talk_until(self, limit_ms);
@@ -103,7 +103,7 @@ static bool talk_listen(glove_talk *self, int64_t limit_ms)
     return talk_goes_on(self);
 }
 
-/* Listens until nothing has come for 40 ms, 200 ms at most, and forgets what was heard. */
+/* Receives until nothing arrives for 40 ms, at most 200 ms, and discards the bytes. */
 static void talk_settle(glove_talk *self)
 {
     int64_t most_ns = talk_until(self, settle_most_ms);
@@ -113,7 +113,7 @@ static void talk_settle(glove_talk *self)
     self->heard_count = 0;
 }
 
-/* Each byte of an order that the glove does not know may be refused on its own. */
+/* The glove may reject each byte of an unknown command separately. */
 static glove_reply conclude(glove_talk *self, glove_reply reply)
 {
     if (reply == GLOVE_REFUSED)
@@ -121,7 +121,7 @@ static glove_reply conclude(glove_talk *self, glove_reply reply)
     return reply;
 }
 
-/* "?LETTER". A refusal is waited out. */
+/* Sends "?LETTER". Waits for all bytes of a rejection. */
 static glove_reply talk_ask(glove_talk *self, char letter, unsigned char *out_value,
                             size_t value_size, int64_t limit_ms)
 {
@@ -137,7 +137,7 @@ static glove_reply talk_ask(glove_talk *self, char letter, unsigned char *out_va
     return conclude(self, reply);
 }
 
-/* The bytes of an order that is answered with its letter. */
+/* Sends a command that the glove answers with its letter. */
 static glove_reply talk_order(glove_talk *self, const void *bytes, size_t size, char letter,
                               int64_t limit_ms)
 {
@@ -157,12 +157,12 @@ enum { ASK_TRIES = 4, RATE_MOST_HZ = 1000 };
 static const int64_t whole_ms = 6000, ask_ms = 500, order_ms = 300, pause_ms = 50;
 static const int64_t restart_ms = 2500, first_record_ms = 1000, poll_again_ms = 200;
 static const double ticks_per_s = 115200.0;
-/* Gloves that keep their own rate send at least so often: below, they are asked for each record. */
+/* Lowest rate of gloves that keep their own rate: a lower rate needs polling. */
 static const double slowest_native_hz = 90.0;
-/* Of what the line can carry: the rest is for clocks that differ. */
+/* Usable share of the line's capacity; the rest is reserved for clock differences. */
 static const double line_share = 0.95;
 
-/* ---- what is there ---- */
+/* ---- identifying the device ---- */
 
 static mrt_result say_silent(const glove_talk *talk, glove_why *why)
 {
@@ -186,7 +186,7 @@ static mrt_result say_no_glove(const glove_talk *talk, const unsigned char *byte
                          talk->port->name, talk->port->baud, hex);
 }
 
-/* Why the talk ended, if it did. */
+/* Returns the reason if the start-up ended. */
 static mrt_result end_of(const glove_talk *talk, glove_why *why)
 {
     if (talk->is_stopping)
@@ -207,7 +207,7 @@ static mrt_result end_of(const glove_talk *talk, glove_why *why)
     return MRT_OK;
 }
 
-/* Stops whatever it was doing. */
+/* Stops whatever the glove is sending. */
 static void hush(glove_talk *talk)
 {
     const char stop = GLOVE_CTRL_C;
@@ -306,7 +306,7 @@ static void find_hand(glove_talk *talk, const glove_settings *settings, glove_un
         out->hand = MRT_RIGHT;
 }
 
-/* ---- what it is to do ---- */
+/* ---- setting up the glove ---- */
 
 static void note_refusal(glove_unit *unit, char letter)
 {
@@ -315,7 +315,7 @@ static void note_refusal(glove_unit *unit, char letter)
         unit->refused[used] = letter;
 }
 
-/* Orders with a byte, 0 or 1. */
+/* Sends a command with a byte, 0 or 1. */
 static bool give_flag(glove_talk *talk, glove_unit *unit, char letter, bool on)
 {
     const char order[2] = {letter, on ? 1 : 0};
@@ -336,7 +336,8 @@ static double rate_for_line(const glove_port *port, const glove_unit *unit, doub
     return requested_hz > most_hz ? most_hz : requested_hz;
 }
 
-/* Two words; which byte comes first is not known: the order in which it is what was asked. */
+/* Reads two words. Their byte order is not known, so the order that gives the requested value is
+ * used. */
 static uint32_t period_ticks(const unsigned char value[4], uint32_t asked)
 {
     uint32_t high_first =
@@ -376,10 +377,10 @@ static void give_rate(glove_talk *talk, const glove_settings *settings, glove_un
         return;
     }
     note_refusal(unit, 'T');
-    hush(talk); /* whatever it made of the digits */
+    hush(talk); /* ignore its answer to the digits */
 }
 
-/* Records of bytes: D, U, F, T; what it refuses it does without. */
+/* Sets up records of bytes: D, U, F, T. Continues without the commands that the glove rejects. */
 static mrt_result set_up(glove_talk *talk, const glove_settings *settings, glove_unit *out,
                          glove_why *why)
 {
@@ -416,7 +417,7 @@ bool glove_start_sending(glove_port *port, const glove_unit *unit)
     return glove_port_write(port, &unit->layout.head, 1);
 }
 
-/* ---- its first record ---- */
+/* ---- the first record ---- */
 
 static void adopt(glove_unit *unit, glove_parse *parse, const glove_layout *layout)
 {
@@ -428,7 +429,7 @@ static void adopt(glove_unit *unit, glove_parse *parse, const glove_layout *layo
 
 typedef enum heard_records { HEARD_NONE = 0, HEARD_NO_GLOVE, HEARD_RECORD } heard_records;
 
-/* Takes the bytes heard last into the parser. */
+/* Passes the last received bytes to the parser. */
 static heard_records take_heard(const glove_talk *talk, size_t count, glove_parse *parse)
 {
     const unsigned char *bytes = talk->heard + talk->heard_count - count;
@@ -524,7 +525,7 @@ mrt_result glove_start(glove_port *port, const mrt_host *host, const glove_setti
     find_hand(&talk, settings, out);
     if (settings->form == GLOVE_BYTES)
         result = set_up(&talk, settings, out, why);
-    else /* lets it send over USB; what it answers is not known */
+    else /* enable sending over USB; its answer is unknown */
         talk_order(&talk, "1eu", 3, '1', order_ms);
     if (result < 0)
         return result;

@@ -64,7 +64,7 @@ void bare_hand_follow(bare_hand *self, const double *params)
     self->host->request_restart(self->host);
 }
 
-/* v turned by q: v + 2 w (u x v) + 2 u x (u x v). */
+/* Rotates v by q: v + 2 w (u x v) + 2 u x (u x v). */
 static void rotate(const float q[4], const float v[3], float out[3])
 {
     float t[3];
@@ -78,8 +78,8 @@ static void rotate(const float q[4], const float v[3], float out[3])
     }
 }
 
-/* Of a hand that yaws towards its thumb first, then pitches towards the palm, as angles of a wrist
- * do: the fingers point along (sin yaw, -sin pitch cos yaw, cos pitch cos yaw). */
+/* Angles of a hand that first yaws to the thumb's side, then pitches to the palm, like a wrist. The
+ * fingers point along (sin yaw, -sin pitch cos yaw, cos pitch cos yaw). */
 void bare_hand_turn(bare_hand *self, uint32_t side, mrt_hand_reading *reading)
 {
     static const float along[3] = {0.0f, 0.0f, 1.0f};

@@ -24,7 +24,8 @@ void trace_open(trace *self, const mrt_host *host, const char *source)
     host->log(host, MRT_LOG_WARNING, text);
 }
 
-/* One write a line, so that lines of several threads do not mix. A full disk loses lines. */
+/* Writes each line with one call, so that lines of several threads do not mix. A full disk loses
+ * lines. */
 static void put(const trace *self, const char *line, size_t size)
 {
     ssize_t written = write(self->file, line, size);

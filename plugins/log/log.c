@@ -1,4 +1,4 @@
-/* log.c - the input plugin "org.marotte.log": plays a recorded hand as if it were performed now. */
+/* log.c - the input plugin "org.marotte.log": plays a recorded hand as a live input. */
 #include <marotte/plugin.h>
 
 #include "log_parse.h"
@@ -20,12 +20,12 @@ struct mrt_plugin {
     bool is_open, is_mirrored;
     bool asked_to_restart, told_empty;
 
-    /* The record of time anchor_record_ns is due at anchor_host_ns; speed holds from there on. */
+    /* The record of time anchor_record_ns is due at anchor_host_ns; `speed` applies after it. */
     bool is_playing;
     double speed;
     int64_t anchor_host_ns, anchor_record_ns;
     size_t next;         /* record */
-    int64_t last_due_ns; /* of the record given last */
+    int64_t last_due_ns; /* of the last record returned */
     uint32_t sequence;
 };
 
@@ -73,7 +73,7 @@ static void log_close(mrt_plugin *self)
     self->is_playing = false;
 }
 
-/* Whose hand a log shows that does not say so. */
+/* Returns the hand of a log that does not name it. */
 static uint32_t hand_of(const double *params)
 {
     return (uint32_t)(params[PARAM_HAND] < 0.5 ? MRT_LEFT : MRT_RIGHT);
@@ -84,7 +84,8 @@ static bool wants_mirror(const double *params)
     return params[PARAM_MIRROR] >= 0.5;
 }
 
-/* Raw values are turned into angles by the calibration of the hand that they are said to be of. */
+/* Warns if raw values are mirrored, because the calibration converts raw values for the original
+ * hand. */
 static void say_if_counts_are_mirrored(const mrt_plugin *self)
 {
     for (uint32_t i = 0; i < self->data.channel_count; ++i)
@@ -139,7 +140,7 @@ static int64_t ns_of_seconds(double seconds)
     return (int64_t)(within(seconds, 0.0, SECONDS_MAX) * 1e9 + 0.5);
 }
 
-/* The part of the recording that is played: [start, end]; end 0 means all of it. */
+/* Part of the recording to play: [start, end]; end 0 means all of it. */
 typedef struct section {
     int64_t start_ns, end_ns;
 } section;
@@ -153,7 +154,7 @@ static section section_of(const mrt_plugin *self, const double *params)
     return out;
 }
 
-/* The first record that is not before time_ns; record_count: there is none. */
+/* Returns the first record that is not before time_ns; record_count: none. */
 static size_t first_record_from(const log_data *data, int64_t time_ns)
 {
     size_t low = 0, high = data->record_count;
@@ -167,7 +168,8 @@ static size_t first_record_from(const log_data *data, int64_t time_ns)
     return low;
 }
 
-/* From the last record of one pass to the first of the next: as long as a record lasts. */
+/* Returns the time from the last record of one pass to the first of the next: the interval of
+ * records. */
 static int64_t record_interval_ns(const log_data *data)
 {
     int64_t mean_ns = NS_PER_SECOND / 100;
@@ -200,7 +202,7 @@ static void begin_playing(mrt_plugin *self, const double *params, const section 
     start_pass(self, played, origin_ns);
 }
 
-/* A new speed holds from the record given last: time goes on without a jump. */
+/* Applies a new speed from the last record on, without a jump in time. */
 static void follow_speed(mrt_plugin *self, const double *params)
 {
     double speed = within(params[PARAM_SPEED], SPEED_MIN, SPEED_MAX);
@@ -212,7 +214,7 @@ static void follow_speed(mrt_plugin *self, const double *params)
     self->speed = speed;
 }
 
-/* Whether the log was opened as these parameters ask. */
+/* Returns true if the log was opened with these parameters. */
 static bool shows_hand(const mrt_plugin *self, const double *params)
 {
     if (self->is_mirrored != wants_mirror(params))
@@ -221,7 +223,7 @@ static bool shows_hand(const mrt_plugin *self, const double *params)
     return !self->data.is_hand_assumed || is_asked_for != self->is_mirrored;
 }
 
-/* Channels are fixed while the log is open, so another hand needs it opened again. */
+/* Channels are fixed while the log is open, so a change of the hand requests a restart. */
 static void follow_hand(mrt_plugin *self, const double *params)
 {
     if (self->asked_to_restart || shows_hand(self, params))
@@ -235,14 +237,14 @@ static bool is_over(const mrt_plugin *self, const section *played)
     return self->next >= self->data.record_count || self->data.time_ns[self->next] > played->end_ns;
 }
 
-/* Goes back to the start when looping; false: the take is over. */
+/* Returns to the start if looping. Returns false if playback is over. */
 static bool turn_around(mrt_plugin *self, const double *params, const section *played)
 {
     if (!(params[PARAM_LOOP] >= 0.5))
         return false;
     int64_t interval_ns = record_interval_ns(&self->data);
     start_pass(self, played, self->last_due_ns + (int64_t)((double)interval_ns / self->speed));
-    /* The next pass begins with its first record, whatever silence lies before it. */
+    /* The next pass begins with its first record, without the silence before it. */
     if (!is_over(self, played)) {
         self->anchor_record_ns = self->data.time_ns[self->next];
         return true;

@@ -1,5 +1,6 @@
-/* One large field over the face: bending the fingers charges a magnet that draws the skin out or
- * drives it in; the wrist moves it about. What the hand does counts from its pose at engage. */
+/* Mapping: bending the fingers charges a large magnet in front of the face that draws the skin out
+ * or drives it in. The wrist moves the magnet. The hand's movement is relative to its pose at
+ * engage. */
 #include "mapping.h"
 
 #include <math.h>
@@ -25,17 +26,18 @@ static const double rad_per_deg = 0.017453292519943295;
 
 typedef struct magnet {
     double strength; /* -1 .. 1: drives in .. draws out */
-    double x, y;     /* from the place asked for, in heights of the face */
+    double x, y;     /* from the position of the parameters, in heights of the face */
 } magnet;
 
-typedef struct held { /* how a hand is held */
+typedef struct held { /* the pose of a hand */
     double bend, pitch, yaw;
 } held;
 
 struct mrt_plugin {
     mrt_vec3 low, size; /* of the face, mm */
     uint32_t count;
-    mrt_vec3 point[POINTS_MAX]; /* of the field: contacts, or a grid before a face that has none */
+    mrt_vec3 point[POINTS_MAX]; /* points of the field: contacts, or a grid in front of a face
+                                   without contacts */
     uint32_t contact[POINTS_MAX];
     clutch clutch;
     bool is_engaged, has_neutral, has_held;
@@ -49,9 +51,9 @@ static mrt_plugin *create(const mrt_host *host)
     return calloc(1, sizeof(mrt_plugin));
 }
 
-/* ---- where the field is known ---- */
+/* ---- points of the field ---- */
 
-/* On the front of an ellipsoid that fills the bounds. */
+/* Points on the front of an ellipsoid that fills the bounds. */
 static void lay_grid(mrt_plugin *self)
 {
     for (int row = 0; row < GRID; ++row)
@@ -122,7 +124,7 @@ static double bump(double r)
     return rest * rest * rest * rest * (4.0 * r + 1.0);
 }
 
-/* Out of the face, and in part towards the magnet's axis. */
+/* Displacement of a point: out of the face, and in part to the magnet's axis. */
 static mrt_vec3 drawn(const mrt_plugin *self, mrt_vec3 at, const double *params)
 {
     double height = height_of(self), radius = 0.01 * params[RADIUS] * height;
@@ -150,7 +152,7 @@ static void write_field(const mrt_plugin *self, const double *params, mrt_pull *
 
 /* ---- the mapping ---- */
 
-/* What is shown is the base now, and nothing is drawn any more. */
+/* Makes the current shape the base, without a displacement. */
 static void commit(mrt_plugin *self, mrt_pull *pull)
 {
     pull->commit += 1;
@@ -190,7 +192,8 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
         to = wanted(self, &now, params);
     } else if (!self->is_engaged && clutch_springs_back(params + CLUTCH)) {
         to.strength = 0.0;
-        time_s = params[CLUTCH + CLUTCH_RELEASE_TIME] / 3.0; /* in 3 of them 95 % are gone */
+        time_s =
+            params[CLUTCH + CLUTCH_RELEASE_TIME] / 3.0; /* after 3 time constants 95 % are gone */
     }
     follow(&self->shown, &to, smoothing_share(frame->dt_s, time_s));
     write_field(self, params, pull);

@@ -35,7 +35,7 @@ static const char *advice(int error)
     }
 }
 
-/* Of /dev/snd/midiC1D0 the sound card's own name: "nanoKONTROL2". */
+/* Finds the sound card's name of /dev/snd/midiC1D0: "nanoKONTROL2". */
 static void find_name(const char *path, char out[MIDI_PORT_NAME])
 {
     static const char prefix[] = "/dev/snd/midiC";
@@ -49,7 +49,7 @@ static void find_name(const char *path, char out[MIDI_PORT_NAME])
     device_read_line(file, out, MIDI_PORT_NAME);
 }
 
-/* A serial line must not take bytes for commands. */
+/* Turns off the interpretation of bytes as commands on a serial line. */
 static void make_plain(int descriptor)
 {
     struct termios line;
@@ -59,8 +59,8 @@ static void make_plain(int descriptor)
     (void)tcsetattr(descriptor, TCSANOW, &line);
 }
 
-/* -1: out_reason says why. out_can_write: motors can be driven. A pipe goes on when its writer ends
- * and another one comes. */
+/* Returns -1 on failure, with the reason in out_reason. out_can_write: motors can be driven. A pipe
+ * stays open when its writer ends and another one starts. */
 static int raw_open(const char *path, char out_name[MIDI_PORT_NAME], bool *out_can_write,
                     char out_reason[MIDI_REASON])
 {
@@ -76,7 +76,7 @@ static int raw_open(const char *path, char out_name[MIDI_PORT_NAME], bool *out_c
                        path);
         return -1;
     } else {
-        /* of a pipe too: it then has a writer always, and never ends */
+        /* write access also for a pipe: so it always has a writer and never ends */
         descriptor = open(path, flags | O_RDWR);
         *out_can_write = descriptor >= 0 && S_ISCHR(about.st_mode);
         if (descriptor < 0 && (errno == EACCES || errno == EROFS))
@@ -103,7 +103,7 @@ static int raw_read(int descriptor, uint8_t *out, size_t capacity)
 
 static const char pattern[] = "/dev/snd/midiC*D*", old_pattern[] = "/dev/midi*";
 
-/* Those of before ALSA are the same devices once more, if ALSA is there. */
+/* Device files older than ALSA are the same devices again if ALSA is present. */
 static bool look(glob_t *out)
 {
     if (glob(pattern, 0, NULL, out) == 0 && out->gl_pathc > 0)
@@ -112,7 +112,7 @@ static bool look(glob_t *out)
     return glob(old_pattern, 0, NULL, out) == 0;
 }
 
-/* The n-th device of this computer, from 0; false: there are not so many. */
+/* Finds the n-th device of this computer, from 0. Returns false if there are fewer. */
 static bool raw_find(uint32_t n, char out_path[32])
 {
     glob_t found;
@@ -151,7 +151,7 @@ typedef struct midi_seq {
     snd_seq_t *seq;
     snd_midi_event_t *coder;
     int port, descriptor;
-    bool wants_any; /* and the next device that comes will do */
+    bool wants_any; /* for "": connects to the next device that appears */
     bool is_connected;
     snd_seq_addr_t source;
 } midi_seq;
@@ -163,12 +163,12 @@ static bool seq_is_there(void)
     return access(node, R_OK | W_OK) == 0;
 }
 
-/* ---- the sequencer: ports of others ---- */
+/* ---- the sequencer: other programs' ports ---- */
 
 typedef struct found_port {
     snd_seq_addr_t at;
     bool is_device;            /* not a program's */
-    char name[MIDI_PORT_NAME]; /* of its client, and of the port where a client has several */
+    char name[MIDI_PORT_NAME]; /* name of its client, and of the port if the client has several */
 } found_port;
 
 static bool can_be_heard(const snd_seq_port_info_t *port)
@@ -190,12 +190,12 @@ static void name_port(found_port *out, snd_seq_client_info_t *client,
     else
         (void)snprintf(out->name, sizeof out->name, "%.30s %.30s", client_name ? client_name : "",
                        port_name);
-    for (char *c = out->name; *c; ++c) /* a ',' begins parameters in an input's text */
+    for (char *c = out->name; *c; ++c) /* a ',' begins parameters in the text of an input */
         if ((unsigned char)*c < ' ' || *c == 0x7f || *c == ',')
             *c = ' ';
 }
 
-/* Calls `visit` for each port that can be heard, until it returns true. */
+/* Calls `visit` for each port that can be read, until it returns true. */
 static bool visit_ports(snd_seq_t *seq, bool (*visit)(const found_port *port, void *data),
                         void *data)
 {
@@ -214,7 +214,7 @@ static bool visit_ports(snd_seq_t *seq, bool (*visit)(const found_port *port, vo
             found_port found = {.at = *snd_seq_port_info_get_addr(port),
                                 .is_device =
                                     snd_seq_client_info_get_type(client) == SND_SEQ_KERNEL_CLIENT};
-            /* "Midi Through" gives back what programs send: it is no device */
+            /* "Midi Through" returns the messages of other programs: it is not a device */
             found.is_device &= (snd_seq_port_info_get_type(port) & SND_SEQ_PORT_TYPE_HARDWARE) != 0;
             name_port(&found, client, port);
             if (can_be_heard(port) && visit(&found, data))
@@ -248,7 +248,7 @@ static bool connect_to(midi_seq *self, const snd_seq_addr_t *source)
 {
     if (snd_seq_connect_from(self->seq, self->port, source->client, source->port) < 0)
         return false;
-    /* where motors are; a device without them does not listen */
+    /* for motors; fails on a device that does not receive */
     (void)snd_seq_connect_to(self->seq, self->port, source->client, source->port);
     self->source = *source;
     self->is_connected = true;
@@ -277,7 +277,7 @@ static bool join(midi_seq *self)
     if (self->port < 0 || self->descriptor < 0 || snd_midi_event_new(MESSAGE, &self->coder) < 0)
         return false;
     snd_midi_event_no_status(self->coder, 1);
-    /* who comes and who goes */
+    /* announcements of clients that appear and disappear */
     return snd_seq_connect_from(self->seq, self->port, SND_SEQ_CLIENT_SYSTEM,
                                 SND_SEQ_PORT_SYSTEM_ANNOUNCE) >= 0;
 }
@@ -293,7 +293,8 @@ static void seq_close(midi_seq *self)
     free(self);
 }
 
-/* Joins as the port "marotte" and takes what the wanted port sends. NULL: out_reason says why. */
+/* Creates the port "marotte" and connects the wanted port to it. Returns NULL on failure, with the
+ * reason in out_reason. */
 static midi_seq *seq_open(const char *wanted, char out_name[MIDI_PORT_NAME],
                           char out_reason[MIDI_REASON])
 {
@@ -328,7 +329,7 @@ static midi_seq *seq_open(const char *wanted, char out_name[MIDI_PORT_NAME],
 
 /* ---- the sequencer: bytes ---- */
 
-/* False: what was heard is gone. */
+/* Returns false if the source was lost. */
 static bool take_news(midi_seq *self, const snd_seq_event_t *event)
 {
     const snd_seq_addr_t *at = &event->data.addr;
@@ -353,7 +354,7 @@ static int seq_read(midi_seq *self, uint8_t *out, size_t capacity)
         int result = snd_seq_event_input(self->seq, &event);
         if (result == -EAGAIN)
             return 0;
-        if (result == -ENOSPC) /* the queue ran over: go on with what comes */
+        if (result == -ENOSPC) /* the queue overflowed: continue with the next events */
             continue;
         if (result < 0 || !event)
             return -1;
@@ -397,7 +398,8 @@ typedef struct listing {
     uint32_t count, capacity;
 } listing;
 
-/* By name, which stays when it is plugged in again; by numbers where a name is not its own. */
+/* The address is the name, which stays the same after reconnecting; the numbers if several ports
+ * have the same name. */
 static bool list_port(const found_port *port, void *data)
 {
     listing *self = data;
@@ -484,7 +486,7 @@ void midi_port_init(midi_port *self)
     *self = (midi_port){.descriptor = -1};
 }
 
-/* A device of the kernel alone where there is no sequencer. */
+/* Only a kernel device if there is no sequencer. */
 bool midi_port_open(midi_port *self, const char *wanted, char out_name[MIDI_PORT_NAME],
                     char out_reason[MIDI_REASON])
 {

@@ -1,5 +1,5 @@
-/* Hand poses that were shown once or a few times stand for poses of the face; between them the face
- * is in between. Shipped ones until others are taught. */
+/* Mapping: hand poses that were demonstrated once or a few times make poses of the face; hand poses
+ * between them make faces between. Defaults apply until others are taught. */
 #include "expressions.h"
 #include "mapping.h"
 #include "space.h"
@@ -13,7 +13,7 @@ static const expression expressions_of[SPACE_POSES] = {
     EXPRESSION_NEUTRAL,  EXPRESSION_SMILE,      EXPRESSION_FROWN,  EXPRESSION_JAW_OPEN,
     EXPRESSION_BROWS_UP, EXPRESSION_BROWS_DOWN, EXPRESSION_PUCKER, EXPRESSION_BLINK};
 
-/* Distal joints as they are estimated: half of the middle ones. The wrist is as at rest. */
+/* Distal joints are estimated as half of the middle ones. The wrist is at rest. */
 #define FINGERS(thumb_roll, thumb_mpj, thumb_ij, thumb_abduction, i1, i2, m1, m2, r1, r2, l1, l2,  \
                 spread, arch)                                                                      \
     {                                                                                              \
@@ -42,11 +42,11 @@ typedef struct lessons {
 struct mrt_plugin {
     const mrt_host *host;
     expressions expressions;
-    lessons stored; /* shipped or loaded: what a reset returns to */
+    lessons stored; /* default or loaded demonstrations: restored by a reset */
     lessons now;
     double weight[SPACE_POSES]; /* of the face shown */
 
-    /* ---- follows from the lessons and the parameters ---- */
+    /* ---- derived from the demonstrations and the parameters ---- */
     space_fit fit;
     bool is_fit;
     double ridge, width; /* that it was found with */
@@ -125,7 +125,7 @@ static void fit_again(mrt_plugin *self, const double *params)
 
 static void learn(mrt_plugin *self, unsigned pose, const mrt_hand *hand, const double *params)
 {
-    if (!self->now.is_taught[pose]) /* what was shipped makes room */
+    if (!self->now.is_taught[pose]) /* the first demonstration replaces the default one */
         self->now.shown.count[pose] = self->now.shown.next[pose] = 0;
     self->now.is_taught[pose] = true;
     space_show(&self->now.shown, pose, hand->angle);
@@ -174,7 +174,7 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     return MRT_OK;
 }
 
-/* ---- what was taught, kept ---- */
+/* ---- storing the demonstrations ---- */
 
 #define LESSONS_MEMORY(lessons)                                                                    \
     MEMORY_WHOLES((lessons).shown.count, SPACE_SHOWN_MAX),                                         \
@@ -202,7 +202,7 @@ static mrt_result load_lessons(mrt_plugin *self, const void *bytes, size_t size)
     return MRT_OK;
 }
 
-/* Of each pose the mean of its demonstrations. */
+/* Returns the mean of the demonstrations of a pose. */
 static mrt_result pose(const void *bytes, size_t size, uint32_t param, float *out_rad)
 {
     lessons all;
