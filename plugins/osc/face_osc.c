@@ -1,6 +1,7 @@
-/* face_osc.c - the plugin "org.marotte.face_osc": the face as named numbers over OSC, for patches
- * of one's own (TouchDesigner, Max, Pure Data, Blender by marotte's add-on): messages
- * /marotte/1/face NAME VALUE NAME VALUE ..., in bundles whose time tags are the faces' times. */
+/* face_osc.c - the plugin "org.marotte.face_osc": the face as named numbers over OSC, for a user's
+ * own patches (TouchDesigner, Max, Pure Data, Blender with marotte's add-on). Sends messages
+ * /marotte/1/face NAME VALUE NAME VALUE ..., in bundles whose time tags are the times of the
+ * faces. */
 #include "osc_wire.h"
 
 #include <stdio.h>
@@ -16,7 +17,7 @@ struct mrt_plugin {
     osc_sender sender;
     const mrt_face_names *names;
     osc_builder message;
-    size_t bytes; /* of the message that is begun; 0: none */
+    size_t bytes; /* size of the current message; 0: none */
 };
 
 static mrt_plugin *create(const mrt_host *host)
@@ -59,7 +60,7 @@ static void end_message(mrt_plugin *self)
 
 static void say(mrt_plugin *self, const char *name, float value)
 {
-    size_t bytes = strlen(name) + 4 + 4 + 2; /* with its padding, its value and their types */
+    size_t bytes = strlen(name) + 4 + 4 + 2; /* with its padding, its value and the type tags */
     if (self->bytes + bytes > MESSAGE_BYTES)
         end_message(self);
     if (self->bytes == 0)
@@ -82,7 +83,7 @@ static void say_contacts(mrt_plugin *self, const mrt_vec3 *offset)
     }
 }
 
-/* Ns since 1970 of a time of the host's clock. */
+/* Converts the host's time to ns since 1970. */
 static int64_t utc_of(const mrt_plugin *self, int64_t time_ns)
 {
     struct timespec now;

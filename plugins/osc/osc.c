@@ -1,5 +1,5 @@
-/* osc.c - the plugin "org.marotte.osc": hands and pedals from the network (input), and what inputs
- * measure to another marotte (output). README.md documents every message. */
+/* osc.c - the plugin "org.marotte.osc": receives hands and pedals from the network (input), and
+ * sends the samples of inputs to another marotte (output). README.md documents every message. */
 #include "device_io.h"
 #include "osc_port.h"
 #include "trace.h"
@@ -14,31 +14,31 @@
 enum { PARAM_HAND, PARAM_CONTENT, PARAM_SILENCE, PARAM_COUNT };
 
 static const int64_t ns_per_s = 1000000000;
-/* How long open() waits for the channels of a forwarded source. */
+/* Time for which open() waits for the channels of a forwarded source. */
 static const int64_t open_wait_ns = 2000000000;
-/* How long it waits for a sign of a sender that went away: the host tries again. */
+/* Time for which it waits for a message of a lost sender; the host tries again. */
 static const int64_t return_wait_ns = 500000000;
-/* open() looks this often whether the host is stopping. */
+/* Interval at which open() checks whether the host is stopping. */
 static const int64_t look_ns = 5000000;
-/* Silence after which an input is lost, in silences after which its pedals go up. */
+/* An input is lost after this many times the silence that releases its pedals. */
 enum { LOST_SILENCES = 3 };
 
-/* MRT_INPUT: hands, pedals and forwarded sources that others send. Says what is heard as samples,
- * notices when a sender is silent, lets its pedals up. */
+/* MRT_INPUT: receives hands, pedals and forwarded sources. Returns them as samples, detects a
+ * silent sender, and releases its pedals. */
 typedef struct osc_input {
     const mrt_host *host;
     osc_port *port; /* NULL: not listening */
     osc_address address;
-    osc_listener listener; /* joined while port is there: under the port's lock */
-    osc_table table;       /* what channels() gives while open */
+    osc_listener listener; /* joined while port is open: guarded by the port's lock */
+    osc_table table;       /* result of channels() while open */
     bool is_open;
-    bool is_lost; /* the sender went away: the port stays open, so that nothing is missed when it
-                     comes back */
+    bool is_lost; /* the sender was lost: the port stays open, so that no message is missed when the
+                     sender returns */
     bool has_asked_to_restart;
-    int64_t host_offset_ns; /* host clock less ours */
+    int64_t host_offset_ns; /* host clock minus ours */
     int64_t opened_ns;      /* ours */
-    int64_t last_time_ns;   /* of the sample given last, host clock */
-    uint32_t sequence;      /* of the sample given last */
+    int64_t last_time_ns;   /* of the last sample returned, host clock */
+    uint32_t sequence;      /* of the last sample returned */
     float value[MRT_MAX_CHANNELS];
     bool has_given;
 } osc_input;
@@ -47,24 +47,26 @@ enum { SOURCES_MAX = 16, PACKET_BYTES = 8192 };
 static const int64_t repeat_ns = 250000000, announce_ns = 500000000;
 
 typedef struct forwarded {
-    osc_table table; /* of what was written last; source "": unused */
+    osc_table table; /* last content sent; source "": unused */
     mrt_sample last;
-    int64_t sent_ns, told_ns; /* when the last sample and the channels were sent, our clock */
+    int64_t sent_ns,
+        told_ns; /* times at which the last sample and the channels were sent, our clock */
 } forwarded;
 
-/* MRT_OUTPUT: forwards samples of inputs to another marotte without loss of a bit. A thread of its
- * own tells the channels every 500 ms and says the last sample again after 250 ms without a newer
- * one, so that who listens can join late, hears that the sender is there, and gets a pedal's
- * release even if its datagram was lost. */
+/* MRT_OUTPUT: forwards samples of inputs to another marotte, bit for bit. A separate thread sends
+ * the channels every 500 ms, and repeats the last sample after 250 ms without a newer one. So a
+ * receiver can start late, knows that the sender is running, and gets the release of a pedal even
+ * if its datagram was lost. */
 typedef struct osc_output {
     const mrt_host *host;
     bool is_open;
     int socket;
     trace trace;
     osc_address address;
-    int64_t host_offset_ns; /* host clock less ours */
+    int64_t host_offset_ns; /* host clock minus ours */
     pthread_t thread;
-    pthread_mutex_t mutex; /* guards what follows; held for a send at most, which never waits */
+    pthread_mutex_t
+        mutex; /* guards the fields below; held at most for one send, which never waits */
     pthread_cond_t wake;
     bool is_stopping;
     forwarded source[SOURCES_MAX];
@@ -78,7 +80,7 @@ struct mrt_plugin {
     osc_output output;
 };
 
-/* ---- the input: what it listens to ---- */
+/* ---- the input: listening ---- */
 
 static void stop_listening(osc_input *self)
 {
@@ -110,7 +112,7 @@ static osc_content content_of(const double *params)
     return content < 2.5 ? OSC_CONTENT_PEDALS_ONLY : OSC_CONTENT_CONTROLS;
 }
 
-/* One that was lost listens on to what it had, if that is what is asked for. */
+/* Returns true if a lost input can keep its listener, because it has the same settings. */
 static bool goes_on(const osc_input *self, const osc_address *address, const double *params)
 {
     if (!self->port || !self->is_lost || self->address.port != address->port ||
@@ -141,7 +143,8 @@ static mrt_result start_listening(osc_input *self, const osc_address *address, c
     return MRT_OK;
 }
 
-/* Whether there is what open() waits for: channels, and, of a sender that went away, a sign. */
+/* Returns true if open() is complete: the channels are known and, for a lost sender, a message has
+ * arrived. */
 static bool is_there(osc_input *self)
 {
     osc_port_lock(self->port);
@@ -151,7 +154,7 @@ static bool is_there(osc_input *self)
     return found;
 }
 
-/* Receives until it is there. MRT_TIMEOUT: it was not in time, or the host is stopping. */
+/* Receives until that. Returns MRT_TIMEOUT if it took too long, or if the host is stopping. */
 static mrt_result wait_until_there(osc_input *self, int64_t wait_ns)
 {
     int64_t until_ns = device_clock_ns() + wait_ns;
@@ -167,7 +170,7 @@ static mrt_result wait_until_there(osc_input *self, int64_t wait_ns)
     return MRT_OK;
 }
 
-/* The socket is of no use any more: the next open() makes a new one. */
+/* The socket failed: the next open() creates a new one. */
 static mrt_result say_network_failed(osc_input *self)
 {
     device_say(self->host, MRT_LOG_ERROR,
@@ -180,7 +183,7 @@ static mrt_result say_network_failed(osc_input *self)
 static mrt_result say_nobody(osc_input *self)
 {
     const osc_address *address = &self->address;
-    if (self->is_lost) { /* said when it went */
+    if (self->is_lost) { /* reported when it was lost */
         device_say(self->host, MRT_LOG_DEBUG, "port %u: nothing yet", (unsigned)address->port);
         return MRT_ERR_IO;
     }
@@ -206,7 +209,7 @@ static void begin(osc_input *self)
     osc_table_copy(&self->table, &self->listener.table);
     osc_port_unlock(self->port);
     if (!self->is_lost)
-        self->has_given = false; /* the sequence of one that was lost goes on */
+        self->has_given = false; /* keeps the sequence of a lost input */
     self->is_open = true;
     self->is_lost = false;
     self->has_asked_to_restart = false;
@@ -260,7 +263,7 @@ static const mrt_channel *input_channels(mrt_plugin *plugin, uint32_t *out_count
 
 /* ---- the input: reading ---- */
 
-/* Channels are fixed while it is open, so another hand needs it opened again. */
+/* Channels are fixed while the input is open, so a change of the hand requests a restart. */
 static void follow_params(osc_input *self, const double *params)
 {
     const osc_listener *listener = &self->listener;
@@ -305,7 +308,7 @@ static void give_release(osc_input *self, int64_t time_ns, mrt_sample *out)
     give(self, time_ns, 1, out);
 }
 
-/* The next thing in the queue that is a sample. */
+/* Returns the next sample in the queue. */
 static bool give_heard(osc_input *self, mrt_sample *out)
 {
     osc_item item;
@@ -328,11 +331,11 @@ static bool give_heard(osc_input *self, mrt_sample *out)
     }
 }
 
-/* When the sender's silence will mean something, our clock; INT64_MAX: not as things are. */
+/* Times at which the sender's silence has an effect, our clock; INT64_MAX: never. */
 typedef struct silence {
-    const char *loss; /* why the sender counts as gone; NULL: it does not */
+    const char *loss; /* reason why the sender counts as lost; NULL: it does not */
     int64_t release_ns, lost_ns;
-    int64_t frame_ns; /* when the bones that have come are a frame */
+    int64_t frame_ns; /* when the received bones become a frame */
 } silence;
 
 static const char *loss_of(const osc_listener *listener)
@@ -364,7 +367,8 @@ static silence silence_of(osc_input *self, const double *params)
     return out;
 }
 
-/* From now on the host closes and opens, and this listens for the sender's return. */
+/* Marks the input as lost. The host closes and opens it, and this listener waits for the sender's
+ * return. */
 static mrt_result lose(osc_input *self, const char *why)
 {
     char bound[OSC_SOURCE_LENGTH];
@@ -466,7 +470,7 @@ static void send_sample(osc_output *self, forwarded *from, int64_t now_ns)
     from->sent_ns = now_ns;
 }
 
-/* ---- the output: the thread that repeats ---- */
+/* ---- the output: the repeating thread ---- */
 
 static void repeat(osc_output *self, int64_t now_ns)
 {
@@ -584,7 +588,7 @@ static bool is_sample(const mrt_sample *sample)
     return true;
 }
 
-/* The slot of the source, or a free one; NULL: there is none. */
+/* Returns the slot of the source, or a free one; NULL: none. */
 static forwarded *find(osc_output *self, const char *source)
 {
     for (int i = 0; i < SOURCES_MAX; ++i)
@@ -596,7 +600,7 @@ static forwarded *find(osc_output *self, const char *source)
     return NULL;
 }
 
-/* A new version for new channels, and for a source that counts its samples anew. */
+/* Returns false if a new version is needed: for new channels, or if the sequence restarts. */
 static bool is_told(const forwarded *from, const mrt_channel *channels, const mrt_sample *sample)
 {
     uint32_t ahead = sample->sequence - from->last.sequence;
@@ -633,7 +637,8 @@ static mrt_result forward(osc_output *self, const char *source, const mrt_channe
     return MRT_OK;
 }
 
-/* A network that fails for a while is said once and is no error: the next sample may pass. */
+/* A temporary failure of the network is logged once and is not an error: the next sample may
+ * arrive. */
 static mrt_result output_write(mrt_plugin *plugin, const char *source, const mrt_channel *channels,
                                const mrt_sample *sample)
 {

@@ -1,7 +1,7 @@
-/* vmc.c - the plugin "org.marotte.vmc": the face over the VMC protocol (protocol.vmc.info), to
- * avatars and to what else listens to it. As an assistant it sends head, eyes and blend shapes to a
- * performer, which has the body; as a performer it sends a whole person who stands still, straight
- * to a marionette. Unity's axes: left-handed, y up, the face looks to +z. */
+/* vmc.c - the plugin "org.marotte.vmc": the face over the VMC protocol (protocol.vmc.info), for
+ * avatars and other receivers. As an assistant it sends head, eyes and blend shapes to a performer,
+ * which has the body. As a performer it sends a whole person who stands still, directly to a
+ * marionette. Unity's axes: left-handed, y up, the face looks to +z. */
 #include "osc_wire.h"
 
 #include <stdio.h>
@@ -74,7 +74,7 @@ static const char *const body_bone[] = {
 };
 enum { BODY_BONES = sizeof body_bone / sizeof *body_bone };
 
-/* Which bone of a face each is; more than one name: the first that the face has. */
+/* VMC bones of the face's bones. With several names, the first one that the face has. */
 static const struct {
     const char *vmc, *face[3];
 } head_bone[] = {{"Neck", {"neck", NULL}},
@@ -84,7 +84,7 @@ static const struct {
                  {"Jaw", {"jaw", NULL}}};
 enum { HEAD_BONES = sizeof head_bone / sizeof *head_bone, JAW_BONE = HEAD_BONES - 1 };
 
-/* VRM 1.0's expressions by the names of VRM 0's presets. */
+/* Expressions of VRM 1.0 with their preset names in VRM 0. */
 static const char *const preset_name[][2] = {{"aa", "A"},
                                              {"ih", "I"},
                                              {"ou", "U"},
@@ -104,9 +104,9 @@ struct mrt_plugin {
     const mrt_host *host;
     osc_sender sender;
     const mrt_face_names *names;
-    uint32_t bone[HEAD_BONES]; /* of the face; NO_BONE */
+    uint32_t bone[HEAD_BONES]; /* index in the face, or NO_BONE */
     uint32_t preset[PRESETS];  /* index of the weight; UINT32_MAX: none */
-    int64_t begun_ns;          /* time 0 of what is sent; live */
+    int64_t begun_ns;          /* time 0 of the sent times; live */
 };
 
 static mrt_plugin *create(const mrt_host *host)
@@ -130,7 +130,7 @@ static mrt_result open(mrt_plugin *self, const char *address, const double *para
                        mrt_face_wants *wants)
 {
     wants->rate_hz = params[RATE];
-    wants->repeat_s = 0.25; /* receivers ask whether anybody is still there */
+    wants->repeat_s = 0.25; /* repeats show the receivers that the sender is running */
     self->begun_ns = self->host->now_ns(self->host);
     return udp_sender_open(&self->sender.to, address,
                            params[ROLE] > 0.5 ? PERFORMER_PORT : ASSISTANT_PORT, "vmc");
@@ -169,7 +169,7 @@ static void multiply(float out[4], const float a[4], const float b[4])
     out[3] = a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2];
 }
 
-/* A bone's turn about its parent, in Unity's axes: those of the face mirrored in x. */
+/* Rotation of a bone relative to its parent, in Unity's axes: the face's axes mirrored in x. */
 static void local_rotation(float out[4], const mrt_face_names *n, const mrt_face_sample *sample,
                            uint32_t bone)
 {
@@ -209,7 +209,7 @@ static int head_bone_of(const mrt_plugin *self, const char *name, bool with_jaw)
     return -1;
 }
 
-/* A performer says all bones, an assistant those that it has. */
+/* A performer sends all bones, an assistant only the face's bones. */
 static void say_bones(mrt_plugin *self, const double *params, const mrt_face_sample *sample)
 {
     for (int i = 0; i < BODY_BONES; ++i) {
