@@ -52,9 +52,8 @@ struct camera_port {
     char token[CAMERA_TOKEN + 1], package[CAMERA_PATH];
     int listening;
     pthread_mutex_t mutex;
-    pthread_cond_t
-        changed;     /* signalled on a new frame, and when no input handles the sockets any more */
-    bool is_working; /* an input waits in ppoll, without the mutex */
+    pthread_cond_t changed; /* a new frame, or no input handles the sockets any more */
+    bool is_working;        /* an input waits in ppoll, without the mutex */
     connection connection[CONNECTIONS];
     int page;        /* index of the page's connection; -1: none */
     clock_map clock; /* from the page's clock to ours, from its pings */
@@ -281,8 +280,7 @@ static bool take_frame(camera_port *self, connection *c, const web_frame *frame,
         return true;
     if (frame->opcode == WEB_PING)
         return send_frame(c, WEB_PONG, frame->payload, frame->size);
-    if (frame->opcode ==
-        WEB_TEXT) /* answer to the page's hello, which it repeats while the package is missing */
+    if (frame->opcode == WEB_TEXT) /* hello, repeated while the package is missing */
         return send_state(self, c);
     *out_code = 1003;
     trace_received(&self->trace, now_ns, frame->payload, frame->size);

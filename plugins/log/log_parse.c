@@ -111,8 +111,7 @@ bool log_text_number(log_text text, double *out)
         return false;
     memcpy(copy, text.at, length);
     copy[length] = '\0';
-    if (strspn(copy, "+-.0123456789eE") !=
-        length) /* strtod also accepts hexadecimal, nan and inf */
+    if (strspn(copy, "+-.0123456789eE") != length) /* strtod accepts hexadecimal, nan, inf */
         return false;
     *out = strtod(copy, &end);
     return *end == '\0' && *out > -NUMBER_MAX && *out < NUMBER_MAX;

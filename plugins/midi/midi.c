@@ -524,8 +524,7 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
         if (has_motor_due(self, params))
             drive_motors(self, now_ns);
         if (self->chunk_size > 0) {
-            if (now_ns >=
-                deadline_ns) /* flood of messages: return so that the host can do other work */
+            if (now_ns >= deadline_ns) /* a flood: let the host do other work */
                 return MRT_TIMEOUT;
             continue;
         }

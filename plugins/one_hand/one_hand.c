@@ -468,10 +468,9 @@ struct mrt_plugin {
     uint32_t rig_pose_count;
     bool can_speak; /* true if the rig has poses that this mapping uses */
     speak_half speak[DEVICE_KINDS][HALF_COUNT];
-    double furthest_deg[DEVICE_KINDS]
-                       [JOINT_COUNT]; /* largest value of any hand pose, in both directions */
-    neutral stored[2];                /* loaded */
-    bool is_stored_new;               /* loaded since the last frame */
+    double furthest_deg[DEVICE_KINDS][JOINT_COUNT]; /* of any hand pose, either way */
+    neutral stored[2];                              /* loaded */
+    bool is_stored_new;                             /* loaded since the last frame */
 
     /* ---- since reset ---- */
     bool has_performed, has_told_no_neutral;

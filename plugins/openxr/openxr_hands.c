@@ -22,8 +22,7 @@
 #include <openxr/openxr.h>
 #include <openxr/openxr_platform.h>
 
-static const int64_t tick_ns =
-    5000000; /* headsets measure 30 to 60 hands per second, other devices up to 120 */
+static const int64_t tick_ns = 5000000; /* headsets: 30 to 60 hands per second, others up to 120 */
 static const int64_t ns_per_s = 1000000000;
 
 typedef struct session {

@@ -23,8 +23,7 @@ static const int64_t ns_per_ms = 1000000;
  * is one every 5 ms. */
 static const int64_t start_ns = 20000000000, silence_ns = 2000000000;
 static const int64_t retry_least_ns = 500000000, retry_most_ns = 8000000000;
-static const int64_t healthy_ns =
-    5000000000; /* after running this long, the restart delay is reset */
+static const int64_t healthy_ns = 5000000000; /* then the restart delay is reset */
 static const int64_t reset_ns = 500000000;
 
 enum { RING = 16 };

@@ -65,8 +65,7 @@ typedef struct osc_output {
     osc_address address;
     int64_t host_offset_ns; /* host clock minus ours */
     pthread_t thread;
-    pthread_mutex_t
-        mutex; /* guards the fields below; held at most for one send, which never waits */
+    pthread_mutex_t mutex; /* guards the fields below; held for at most one send, without waiting */
     pthread_cond_t wake;
     bool is_stopping;
     forwarded source[SOURCES_MAX];

@@ -30,8 +30,7 @@ typedef struct descriptor_field {
 
 typedef struct descriptor {
     uint32_t field_count;
-    descriptor_field
-        field[DESCRIPTOR_FIELDS]; /* in report order; fields beyond the maximum are left out */
+    descriptor_field field[DESCRIPTOR_FIELDS]; /* in report order, limited to the maximum */
 } descriptor;
 
 /* Parses a descriptor without constant and too wide fields. On failure `reason` names the error and

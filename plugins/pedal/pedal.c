@@ -1,4 +1,4 @@
-/* The plugin: opening, listing, teaching and reading a foot pedal. */
+/* The plugin "org.marotte.pedal": opens, lists, learns and reads foot pedals. */
 #include "address.h"
 #include "descriptor.h"
 #include "device_io.h"
@@ -27,15 +27,15 @@ enum { PEDAL_ADDRESS = 192, PEDAL_TEXT = 512 };
 
 struct mrt_plugin {
     const mrt_host *host;
-    usb *usb; /* NULL until first needed */
+    usb *usb; /* NULL until first used */
     trace trace;
 
-    char address[PEDAL_ADDRESS]; /* as opened, "" too */
-    address_binding binding;     /* the device that this address has meant */
-    usb_device device;           /* that is open, or was last */
+    char address[PEDAL_ADDRESS]; /* as passed to open, also "" */
+    address_binding binding;     /* device that this address was bound to */
+    usb_device device;           /* the open device, or the last one */
     char name[LAYOUT_NAME];
 
-    bool is_open, has_lesson_due; /* the button was pressed in the call of open */
+    bool is_open, has_lesson_due; /* the button was pressed when opening */
     double opened_with[PARAM_COUNT];
     layout layout;
     uint32_t analogue; /* bit n: switch n */
@@ -46,7 +46,7 @@ struct mrt_plugin {
 
     float value[LAYOUT_SWITCHES]; /* as reported last */
     debounce debounce;
-    usb_report report; /* that waits for what is due before it */
+    usb_report report; /* report that waits for earlier changes */
     bool has_report;
     bool is_lost, has_released, has_told_loss, has_asked_to_restart;
     int64_t last_time_ns, repeat_due_ns;
@@ -55,19 +55,19 @@ struct mrt_plugin {
     learn learn;
 };
 
-/* ---- from an address to a pedal that reports ---- */
+/* ---- opening ---- */
 
 enum { TRIES = 10 };
 static const int64_t try_again_ns = 100000000;
 
-/* How an attempt ended, and what to say about it. */
+/* Result of an attempt, with its message. */
 typedef struct attempt {
     mrt_result result;
-    bool may_pass; /* a device that has just come: its rights or its driver may follow */
+    bool may_pass; /* a new device: its permissions or driver may still be set */
     char text[PEDAL_TEXT];
 } attempt;
 
-/* ---- what is known of a device ---- */
+/* ---- layout of a device ---- */
 
 static layout known_layout(const usb_device *device, char *complaint)
 {
@@ -111,7 +111,7 @@ static void name_device(mrt_plugin *self)
     memcpy(self->name, self->layout.name, sizeof self->name);
 }
 
-/* The kernel has read it already, unless another program had the device before us. */
+/* Uses the kernel's copy of the descriptor, unless another program used the device before. */
 static void read_fields(mrt_plugin *self, uint8_t *bytes, size_t size)
 {
     char reason[DESCRIPTOR_REASON];
@@ -145,7 +145,7 @@ static void find_analogue(mrt_plugin *self)
             self->analogue |= 1u << i;
 }
 
-/* The layout with its switches, if anything says which they are. */
+/* Completes the layout with switches, if a source is available. */
 static void complete_layout(mrt_plugin *self, const usb_endpoint *endpoint, const double *params)
 {
     layout *of = &self->layout;
@@ -161,7 +161,7 @@ static void complete_layout(mrt_plugin *self, const usb_endpoint *endpoint, cons
 
 /* ---- channels ---- */
 
-/* 0..3, or MRT_MAX_PEDALS: none. */
+/* Returns 0..3; MRT_MAX_PEDALS: none. */
 static uint32_t pedal_of(uint32_t index, const double *params)
 {
     double wanted = params[PARAM_SWITCH + index];
@@ -173,7 +173,7 @@ static void make_channels(mrt_plugin *self, const double *params)
 {
     bool taken[MRT_MAX_PEDALS + 1] = {false};
     uint32_t count = self->layout.switch_count;
-    self->channel_count = count > 0 ? count : 1; /* one that says nothing until it is taught */
+    self->channel_count = count > 0 ? count : 1; /* a pedal without switches until it is learned */
     for (uint32_t i = 0; i < self->channel_count; ++i) {
         uint32_t pedal = i < count ? pedal_of(i, params) : MRT_MAX_PEDALS;
         bool is_pedal = pedal < MRT_MAX_PEDALS && !taken[pedal];
@@ -194,7 +194,7 @@ static void make_channels(mrt_plugin *self, const double *params)
     }
 }
 
-/* ---- one device ---- */
+/* ---- opening one device ---- */
 
 static void explain(mrt_plugin *self, usb_failure failure, attempt *out)
 {
@@ -229,7 +229,7 @@ static void forget_the_past(mrt_plugin *self)
     self->has_report = self->is_lost = self->has_released = self->has_told_loss = false;
     self->has_asked_to_restart = false;
     self->learn.stage = LEARN_OFF;
-    self->repeat_due_ns = INT64_MIN; /* the first sample is due at once */
+    self->repeat_due_ns = INT64_MIN; /* the first sample is due immediately */
 }
 
 static void open_device(mrt_plugin *self, const usb_device *device, const layout *known,
@@ -272,7 +272,7 @@ static void say_opened(const mrt_plugin *self)
                advice);
 }
 
-/* ---- the device that is meant ---- */
+/* ---- finding the device ---- */
 
 static void explain_absence(const mrt_plugin *self, const address *wanted, attempt *out)
 {
@@ -305,7 +305,7 @@ static void try_to_open(mrt_plugin *self, const address *wanted, const double *p
         layout known = known_layout(&found[i], complaint);
         if (!address_matches(wanted, &self->binding, found[i].path, found[i].vendor,
                              found[i].product, known.source != LAYOUT_OF_NOTHING)) {
-            /* what was taught, and cannot be read any more, may be what is looked for */
+            /* an unreadable layout may be of the wanted device */
             if (complaint[0] && wanted->kind == ADDRESS_ANY && !was_found)
                 snprintf(out->text, sizeof out->text, "%.*s", PEDAL_TEXT - 1, complaint);
             continue;
@@ -322,7 +322,7 @@ static void try_to_open(mrt_plugin *self, const address *wanted, const double *p
     }
 }
 
-/* False: the host is stopping. */
+/* Waits a moment. Returns false if the host is stopping. */
 static bool wait_a_little(const mrt_plugin *self)
 {
     int64_t until_ns = self->host->now_ns(self->host) + try_again_ns;
@@ -343,7 +343,7 @@ static void bind_to_socket(mrt_plugin *self)
     memcpy(self->binding.path, self->device.path, sizeof self->binding.path);
 }
 
-/* False: no memory, or no USB; said. */
+/* Returns false, after logging, if out of memory or without USB. */
 static bool has_usb(mrt_plugin *self)
 {
     if (!self->usb)
@@ -397,10 +397,10 @@ static mrt_result pedal_open(mrt_plugin *self, const char *text, const double *p
     return MRT_OK;
 }
 
-/* ---- which pedals are plugged in ---- */
+/* ---- list of pedals ---- */
 
-/* Something with buttons or axes that the kernel's driver has read, and neither keyboard nor mouse:
- * nobody wants those listed as pedals. */
+/* Returns true for a device with buttons or axes, except keyboards and mice: users do not want
+ * those listed as pedals. */
 static bool may_be_pedal(const usb_device *device)
 {
     uint8_t bytes[DESCRIPTOR_BYTES];
@@ -488,7 +488,7 @@ static bool pedal_current(mrt_plugin *self, mrt_device *out)
     return true;
 }
 
-/* ---- learn mode as the person meets it ---- */
+/* ---- learning, messages to the user ---- */
 
 static void ask(const mrt_plugin *self)
 {
@@ -502,7 +502,7 @@ static void ask(const mrt_plugin *self)
                    found, found + 1);
 }
 
-/* Channels stay what they were until the input is opened again. */
+/* The channels do not change until the input is opened again. */
 static void adopt(mrt_plugin *self)
 {
     if (self->layout.switch_count != self->learn.found.switch_count) {
@@ -563,7 +563,7 @@ static void give_up_learning(mrt_plugin *self)
 
 /* ---- the plugin ---- */
 
-/* What has not changed is said again so often that silence means trouble. */
+/* An unchanged state is repeated at this interval, so that silence shows a fault. */
 static const int64_t repeat_ns = 1000000000;
 
 static const mrt_channel *pedal_channels(mrt_plugin *self, uint32_t *out_count)
@@ -588,7 +588,7 @@ static mrt_result give(mrt_plugin *self, int64_t time_ns, mrt_sample *out)
     return MRT_OK;
 }
 
-/* First the release of whatever was held; then the news. */
+/* Returns the release of all switches first, then the error. */
 static mrt_result give_loss(mrt_plugin *self, mrt_sample *out)
 {
     if (!self->has_released) {
@@ -615,7 +615,7 @@ static int64_t window_ns(const double *params)
     return (int64_t)((ms < 15.0 ? ms : 15.0) * 1e6);
 }
 
-/* True: something changed. While switches are taught, they do nothing else. */
+/* Returns true if something changed. While switches are learned, they have no other effect. */
 static bool take_report(mrt_plugin *self, const double *params)
 {
     const usb_report *report = &self->report;
@@ -631,7 +631,7 @@ static bool take_report(mrt_plugin *self, const double *params)
                          window_ns(params));
 }
 
-/* Gives what was held back until a time that has come; true: a sample was written. */
+/* Applies held-back changes that are due. Returns true if a sample was written. */
 static bool give_settled(mrt_plugin *self, const double *params, int64_t time_ns, mrt_sample *out)
 {
     int64_t due_ns = debounce_due_ns(&self->debounce);
@@ -641,14 +641,15 @@ static bool give_settled(mrt_plugin *self, const double *params, int64_t time_ns
     return true;
 }
 
-/* When there is something to do even if the device stays silent. */
+/* Returns the time of the next action if the device stays silent. */
 static int64_t next_due_ns(const mrt_plugin *self)
 {
     int64_t due = device_sooner_ns(debounce_due_ns(&self->debounce), self->repeat_due_ns);
     return learn_is_running(&self->learn) ? device_sooner_ns(due, self->learn.until_ns) : due;
 }
 
-/* The report that has come; MRT_TIMEOUT: it changes nothing. What was due before goes first. */
+/* Processes the waiting report, after changes that were due before it. Returns MRT_TIMEOUT if it
+ * changes nothing. */
 static mrt_result read_report(mrt_plugin *self, const double *params, mrt_sample *out)
 {
     int64_t time_ns = self->report.time_ns;
@@ -659,7 +660,7 @@ static mrt_result read_report(mrt_plugin *self, const double *params, mrt_sample
     return changed || self->repeat_due_ns <= time_ns ? give(self, time_ns, out) : MRT_TIMEOUT;
 }
 
-/* No report has come until now. */
+/* Handles the time without a report. */
 static mrt_result read_silence(mrt_plugin *self, const double *params, mrt_sample *out)
 {
     int64_t now_ns = self->host->now_ns(self->host);
@@ -671,7 +672,7 @@ static mrt_result read_silence(mrt_plugin *self, const double *params, mrt_sampl
 
 /* ---- parameters ---- */
 
-/* All switches count as up while they are taught. */
+/* All switches count as up while they are learned. */
 static void begin_learning(mrt_plugin *self)
 {
     int64_t now_ns = self->host->now_ns(self->host);
@@ -686,7 +687,7 @@ static void begin_learning(mrt_plugin *self)
     self->repeat_due_ns = now_ns;
 }
 
-/* Which pedal a switch is holds until the input is opened again. */
+/* The assignment of pedals does not change until the input is opened again. */
 static void follow_params(mrt_plugin *self, const double *params)
 {
     bool is_same = true;

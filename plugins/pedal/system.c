@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* ---- what the system knows ---- */
+/* ---- information from the system ---- */
 
 enum { FILE_PATH = 400, FOLDER_CAP = 4096, NODE = 32, HOLDER = 64 };
 static const char devices_folder[] = "/sys/bus/usb/devices";
@@ -24,7 +24,7 @@ void system_product(char out[SYSTEM_NAME], const char *path)
     device_read_line(file, out, SYSTEM_NAME);
 }
 
-/* The folder of an interface in the configuration that is active: ".../1-2:1.0". */
+/* Returns the folder of an interface in the active configuration: ".../1-2:1.0". */
 static void interface_folder(char out[FILE_PATH], const char *path, uint8_t interface_number)
 {
     char file[FILE_PATH], configuration[8];
@@ -35,7 +35,7 @@ static void interface_folder(char out[FILE_PATH], const char *path, uint8_t inte
 
 /* ---- drivers ---- */
 
-/* The HID driver's folder below the interface's is "0003:VENDOR:PRODUCT.NUMBER". */
+/* The HID driver's folder is below the interface's: "0003:VENDOR:PRODUCT.NUMBER". */
 size_t system_descriptor(const char *path, uint8_t interface_number, uint8_t *out, size_t capacity)
 {
     char folder[FILE_PATH], file[FILE_PATH + 300];
@@ -110,7 +110,8 @@ static void name_process(char out[HOLDER], const char *process)
     snprintf(out, HOLDER, "%s (process %.20s)", name[0] ? name : "a program", process);
 }
 
-/* Which program has the node open: "mplayer (process 1234)"; false: none that this user may see. */
+/* Finds the program that has the node open: "mplayer (process 1234)". Returns false if this user
+ * cannot see one. */
 static bool find_holder(char out[HOLDER], const usb_device *device)
 {
     char node[NODE];

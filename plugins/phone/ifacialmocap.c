@@ -1,7 +1,8 @@
-/* ifacialmocap.c - the plugin "org.marotte.ifacialmocap": the face as the app iFacialMocap sends
- * it. Listens as the phone does; who says the app's greeting gets text at 60 Hz, of the version
- * that it asks for: "mouthSmile_L-25|...|=head#pitch,yaw,roll,x,y,z|rightEye#...|leftEye#...|" in
- * per cent and degrees, with '&' for '-' in version 2. */
+/* ifacialmocap.c - the plugin "org.marotte.ifacialmocap": the face in the format of the app
+ * iFacialMocap. Listens like the phone. A program that sends the app's greeting gets text at 60 Hz,
+ * in the requested version:
+ * "mouthSmile_L-25|...|=head#pitch,yaw,roll,x,y,z|rightEye#...|leftEye#...|" in per cent and
+ * degrees, with '&' for '-' in version 2. */
 #include "device_io.h"
 #include "receivers.h"
 #include "trace.h"
@@ -13,7 +14,7 @@
 #include <string.h>
 
 enum { PORT = 49983, CHANNELS = 61, SHAPES = 52, TEXT_BYTES = 4096 };
-/* In one look: datagrams, and those of them that are of unknown senders. */
+/* Limits per call: datagrams, and datagrams from unknown senders. */
 enum { DATAGRAMS_A_LOOK = 32, STRANGERS_A_LOOK = 4 };
 enum { HEAD = 52, LEFT_EYE = 55, RIGHT_EYE = 58 };
 enum { RATE, VERSION, PARAM_COUNT };
@@ -66,7 +67,7 @@ static const char *any_of(const udp_peer *to)
     return text[0] == '[' ? "::" : "0.0.0.0";
 }
 
-/* "to:HOST:PORT": sent there without a greeting; else where it listens. */
+/* "to:HOST:PORT": send there without a greeting; else the address to listen on. */
 static mrt_result open(mrt_plugin *self, const char *address, const double *params,
                        mrt_face_wants *wants)
 {
@@ -101,17 +102,17 @@ static mrt_result open(mrt_plugin *self, const char *address, const double *para
         self->to.of[0] =
             (receiver){.at = named, .has_version_2 = params[VERSION] > 0.5, .is_named = true};
     wants->rate_hz = params[RATE];
-    wants->repeat_s = 0.1; /* greetings are looked for then, too */
+    wants->repeat_s = 0.1; /* greetings are also checked then */
     return MRT_OK;
 }
 
-/* "MouthSmileLeft" is "mouthSmile_L" there. */
+/* "MouthSmileLeft" is "mouthSmile_L" in the app. */
 static void name_of(char out[40], const char *name)
 {
     size_t length = strlen(name);
     bool is_left = length > 4 && strcmp(name + length - 4, "Left") == 0;
     bool is_right = length > 5 && strcmp(name + length - 5, "Right") == 0;
-    /* of jaw and mouth alone: a way, no side */
+    /* for jaw and mouth: a direction, not a side */
     bool is_way = strcmp(name, "JawLeft") == 0 || strcmp(name, "JawRight") == 0 ||
                   strcmp(name, "MouthLeft") == 0 || strcmp(name, "MouthRight") == 0;
     size_t cut = is_way ? 0 : is_left ? 4 : is_right ? 5 : 0;
@@ -131,10 +132,10 @@ static mrt_result begin(mrt_plugin *self, const mrt_face_names *names)
     return MRT_OK;
 }
 
-/* ---- who asks ---- */
+/* ---- requests ---- */
 
-/* A greeting may be forged, and its sender another one than it says: only this computer and those
- * in its own networks are sent a face that they ask for. */
+/* A greeting, including its sender, may be forged. So only this computer and computers in its own
+ * networks get a requested face. */
 static void welcome(mrt_plugin *self, const udp_peer *at, bool has_version_2)
 {
     char text[UDP_PEER_TEXT];
@@ -173,18 +174,18 @@ static void hear(mrt_plugin *self)
         if (size == UDP_NOTHING)
             return;
         if (size < 0)
-            continue; /* what was wrong with a face that was sent: see forget */
+            continue; /* error report of a sent face: see forget */
         trace_received(&self->trace, device_clock_ns(), text, (size_t)size);
         text[size] = '\0';
         if (self->to.of[0].is_named || strncmp(text, greeting, sizeof greeting - 1) != 0)
             continue;
-        from.port = PORT; /* where the app's receivers listen, whatever they greet from */
+        from.port = PORT; /* where receivers listen, whatever port they send from */
         strangers += !receivers_find(&self->to, &from);
         welcome(self, &from, strstr(text, wants_version_2) != NULL);
     }
 }
 
-/* What the system has learned about faces that were sent. */
+/* Processes the system's error reports about sent faces. */
 static void forget(mrt_plugin *self)
 {
     char text[UDP_PEER_TEXT];
@@ -220,7 +221,7 @@ __attribute__((format(printf, 2, 3))) static void add(line *out, const char *for
         out->size += (size_t)size;
 }
 
-/* Yaw, pitch, roll of a sample as pitch, yaw, roll. */
+/* Writes a sample's yaw, pitch, roll as pitch, yaw, roll. */
 static void add_rotation(line *out, const char *name, const float *turn, const char *behind)
 {
     add(out, "%s#%.4f,%.4f,%.4f%s|", name, (double)turn[1] * degrees_a_rad,

@@ -1,6 +1,6 @@
-/* phone.c - the plugin "org.marotte.phone": the face of a person before a phone or a webcam, as
- * programs send it over the network, as 61 named channels (phone_parse.h). README.md says how it
- * is used. */
+/* phone.c - the plugin "org.marotte.phone": the face of a person in front of a phone or a webcam,
+ * received from other programs over the network, as 61 named channels (phone_parse.h).
+ * plugins/devices/README.md is the user's guide. */
 #include "device_io.h"
 #include "phone_parse.h"
 #include "trace.h"
@@ -23,28 +23,29 @@ typedef enum heard_from { HEARD_ANYBODY = 0, HEARD_PHONE_ALONE } heard_from;
 enum { PORT_LIVE_LINK = 11111, PORT_IFACIALMOCAP = 49983 };
 
 static const int64_t ns_per_s = 1000000000;
-/* iFacialMocap sends when it is asked to; it may be started after us, and it may sleep. */
+/* iFacialMocap sends after a request. It may start after marotte, and it may sleep, so the request
+ * is repeated. */
 static const int64_t ask_again_ns = 1000000000;
 static const char greeting[] =
     "iFacialMocap_sahuasouryya9218sauhuiayeta91555dy3719|sendDataVersion=v2";
-/* A datagram that is told to be older than the one before it has overtaken on the way; by more
- * than this it is another session. */
+/* A datagram with an earlier time than the previous one was overtaken on the way. If it is earlier
+ * by more than this, it is of a new session. */
 static const double overtaken_s = 1.0;
 
 struct mrt_plugin {
     const mrt_host *host;
     int socket; /* -1: closed */
     uint16_t port;
-    udp_peer phone; /* that is asked to send; whoever is there: a broadcast */
+    udp_peer phone; /* phone to send requests to; by default a broadcast */
     heard_from heard;
     bool is_asking;
     int64_t ask_ns;
     trace trace;
     udp_owner owner;
     clock_map clock;
-    double time_s; /* of the last datagram that had one */
+    double time_s; /* of the last datagram with a time */
     int64_t host_offset_ns;
-    int64_t last_ns; /* of the sample given last */
+    int64_t last_ns; /* of the last sample returned */
     uint32_t sequence, faulty_count;
     bool has_time, has_given, has_told_other, has_told_fault, has_told_failure;
     float value[PHONE_VALUES];
@@ -66,8 +67,8 @@ static void input_close(mrt_plugin *self)
     self->socket = -1;
 }
 
-/* Where to listen: at the address that is named, if it is one of this computer. Otherwise at all,
- * as the phone is another computer; nobody but a phone that is named is heard then. */
+/* Chooses the address to listen on. A named address of this computer is used directly. Any other
+ * named address is a phone: listens on all addresses, and accepts only that phone. */
 static int listen_for(mrt_plugin *self, const char *named, char reason[UDP_REASON])
 {
     bool is_named = named[0] && strcmp(named, "0.0.0.0") != 0;
@@ -136,7 +137,7 @@ static void ask(mrt_plugin *self)
                (unsigned)self->port, text, strerror(error), (unsigned)self->port);
 }
 
-/* Until somebody sends, and again when it is silent. */
+/* Sends a request until a face arrives, and again when it is silent. */
 static void ask_if_due(mrt_plugin *self, int64_t now_ns)
 {
     if (!self->is_asking || now_ns < self->ask_ns)
@@ -198,7 +199,7 @@ static int64_t time_of(mrt_plugin *self, const phone_frame *frame, int64_t now_n
     return device_sample_ns(self->host, now_ns + self->host_offset_ns, &self->last_ns);
 }
 
-/* False: nothing of this moves the face, which is held. */
+/* Returns false if the datagram moves nothing. Then the face is held. */
 static bool take(mrt_plugin *self, size_t size, const udp_peer *peer, const double *params,
                  int64_t now_ns, mrt_sample *out)
 {
@@ -263,7 +264,7 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
 
 /* ---- devices ---- */
 
-/* The first address of this computer in a network; "" when it is in none. */
+/* Finds the first address of this computer in a network; "": none. */
 static void find_own_address(char *out, size_t capacity)
 {
     struct ifaddrs *all = NULL;

@@ -20,7 +20,7 @@ enum { MICROPHONE_REASON = 320 };
 struct microphone {
     snd_pcm_t *pcm; /* NULL: a pipe */
     int pipe;
-    unsigned char half; /* of a frame, that came alone */
+    unsigned char half; /* first byte of a split frame */
     bool has_half;
 };
 
@@ -30,7 +30,7 @@ static bool open_pipe(microphone *self, const char *path, char out_reason[MICROP
 {
     struct stat about;
     bool is_pipe = stat(path, &about) == 0 && S_ISFIFO(about.st_mode);
-    /* to write, too: it then has a writer always, and never ends */
+    /* write access too: so the pipe always has a writer and never ends */
     self->pipe = is_pipe ? open(path, O_RDWR | O_NONBLOCK | O_CLOEXEC) : -1;
     if (self->pipe >= 0)
         return true;
@@ -108,7 +108,7 @@ static bool open_pcm(microphone *self, const char *name, char out_reason[MICROPH
     return result >= 0;
 }
 
-/* A computer that was too busy, or asleep: what was said meanwhile is lost. */
+/* Recovers after the computer was too busy or asleep; the sound of that time is lost. */
 static bool recover(microphone *self, int error)
 {
     return snd_pcm_recover(self->pcm, error, 1) >= 0 && snd_pcm_start(self->pcm) >= 0;
@@ -134,8 +134,8 @@ static void close_pcm(microphone *self)
     (void)snd_pcm_close(self->pcm);
 }
 
-/* "plughw:CARD=Mic,DEV=0": the first of a card's is found without ",DEV=0", and a ',' would begin
- * parameters. */
+/* "plughw:CARD=Mic,DEV=0": the first device of a card is also found without ",DEV=0". A ',' would
+ * begin parameters. */
 static bool is_microphone(void *hint, char out_name[64], char out_about[64])
 {
     char *name = snd_device_name_get_hint(hint, "NAME");
@@ -158,7 +158,7 @@ static bool is_microphone(void *hint, char out_name[64], char out_about[64])
     return is_one;
 }
 
-/* ALSA would try 32 cards, each second. */
+/* Avoids that ALSA tries 32 cards every second. */
 static bool has_sound(void)
 {
     return access("/dev/snd", F_OK) == 0;
@@ -240,7 +240,7 @@ static void microphone_close(microphone *self)
     free(self);
 }
 
-/* NULL: out_reason says why. */
+/* Returns NULL on failure, with the reason in out_reason. */
 static microphone *microphone_open(const char *address, char out_reason[MICROPHONE_REASON])
 {
     microphone *self = calloc(1, sizeof *self);
@@ -255,19 +255,19 @@ static microphone *microphone_open(const char *address, char out_reason[MICROPHO
     return NULL;
 }
 
-/* Waits until there is something to read, or span_ns have passed; false: it is gone. */
+/* Waits at most span_ns for sound. Returns false if the source was lost. */
 static bool microphone_wait(microphone *self, int64_t span_ns)
 {
     return self->pcm ? wait_pcm(self, span_ns) : device_wait(self->pipe, span_ns) >= 0;
 }
 
-/* How many frames have come, without waiting: 0 none; -1: it is gone. */
+/* Returns the number of frames read, without waiting; 0: none; -1: the source was lost. */
 static int microphone_read(microphone *self, int16_t *out, uint32_t capacity)
 {
     return self->pcm ? read_pcm(self, out, capacity) : read_pipe(self, out, capacity);
 }
 
-/* ---- heard in time ---- */
+/* ---- reading in time ---- */
 
 static void stop(listener *self)
 {

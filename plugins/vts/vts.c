@@ -1,7 +1,8 @@
 /* vts.c - the plugin "org.marotte.vts": the face as parameters of VTube Studio, by its public API
- * over WebSocket: a token is asked for once, which the person allows there, and kept; parameters
- * are made for ARKit's 52; then values are injected, of names that it has alone: one that it does
- * not know would stop all. Connects again each second while nobody answers. */
+ * over WebSocket. It requests a token once, which the user allows in VTube Studio, and stores it.
+ * Then it creates parameters for ARKit's 52 shapes and sends values. It only sends names that VTube
+ * Studio knows, because an unknown name would make the whole request fail. It reconnects every
+ * second while VTube Studio does not answer. */
 #include "websocket.h"
 #include "device_io.h"
 #include "udp.h"
@@ -23,18 +24,18 @@ static const int64_t again_ns = 1000000000, stuck_ns = 5000000000;
 
 typedef enum stage {
     STAGE_AWAY = 0,
-    STAGE_TOKEN, /* it was asked for: somebody must allow it there */
-    STAGE_LOGIN, /* the token was shown */
-    STAGE_LIST,  /* its parameters were asked for */
+    STAGE_TOKEN, /* requested: the user must allow it in VTube Studio */
+    STAGE_LOGIN, /* token sent */
+    STAGE_LIST,  /* list of parameters requested */
     STAGE_READY
 } stage;
 
 typedef struct parameter {
     char name[40];
-    uint32_t weight;      /* index; of its own */
+    uint32_t weight;      /* index in the weights of the face */
     double low, high, by; /* value = weight * by, within */
-    bool is_own;          /* made by this plugin */
-    bool is_known;        /* it has it */
+    bool is_own;          /* created by this plugin */
+    bool is_known;        /* VTube Studio has it */
 } parameter;
 
 struct mrt_plugin {
@@ -44,15 +45,15 @@ struct mrt_plugin {
     char host_name[UDP_HOST], token[128], token_path[PATH_BYTES];
     uint16_t port;
     int64_t tried_ns, idle_ns;
-    bool is_told; /* that somebody must allow it */
+    bool is_told; /* the warning that the user must allow it */
     const mrt_face_names *names;
     parameter parameter[PARAMETERS];
     uint32_t count;
 };
 
-/* ---- what is sent ---- */
+/* ---- values to send ---- */
 
-/* Those that VTube Studio has itself, of ARKit's and of turns. */
+/* VTube Studio's own parameters, from ARKit's shapes and from rotations. */
 static const struct {
     const char *name, *weight;
     double by, low, high;
@@ -98,7 +99,7 @@ static void list_parameters(mrt_plugin *self)
     }
 }
 
-/* An eye is open as far as it is not closed. */
+/* The openness of an eye is 1 minus its closure. */
 static double value_of(const parameter *p, const mrt_face_sample *sample)
 {
     double weight = (double)sample->weights[p->weight];
@@ -183,7 +184,7 @@ static void inject(mrt_plugin *self, const mrt_face_sample *sample)
         json_pack("{s:b, s:s, s:o}", "faceFound", 1, "mode", "set", "parameterValues", values));
 }
 
-/* ---- the token, kept ---- */
+/* ---- storing the token ---- */
 
 static void read_token(mrt_plugin *self)
 {
@@ -195,7 +196,7 @@ static void read_token(mrt_plugin *self)
     self->token[strcspn(self->token, "\r\n")] = '\0';
 }
 
-/* For this person's eyes alone. */
+/* Readable only by the user. */
 static void keep_token(mrt_plugin *self)
 {
     int fd = self->token_path[0]
@@ -209,7 +210,7 @@ static void keep_token(mrt_plugin *self)
         (void)close(fd);
 }
 
-/* ---- what is heard ---- */
+/* ---- received messages ---- */
 
 static parameter *find(mrt_plugin *self, const char *name)
 {
@@ -253,10 +254,9 @@ static void hear_error(mrt_plugin *self, const char *of)
     if (!of)
         return;
     if (strcmp(of, "AuthenticationTokenRequest") == 0)
-        websocket_close(
-            &self->socket); /* it was not allowed: asked again when it is connected anew */
+        websocket_close(&self->socket); /* not allowed: request it again after reconnecting */
     else if (strcmp(of, "InjectParameterDataRequest") == 0)
-        ask_for_list(self); /* one of them is gone */
+        ask_for_list(self); /* a parameter was removed */
 }
 
 static void hear(mrt_plugin *self, const char *text)
@@ -325,7 +325,8 @@ static mrt_result open_output(mrt_plugin *self, const char *address, const doubl
         return MRT_ERR_ARGUMENT;
     }
     wants->rate_hz = params[RATE];
-    wants->repeat_s = 0.1; /* after a second without any, it takes the face back */
+    wants->repeat_s =
+        0.1; /* after a second without values, VTube Studio takes control of the face again */
     self->tried_ns = 0;
     self->is_told = false;
     self->token[0] = '\0';
@@ -365,7 +366,7 @@ static void go_on(mrt_plugin *self)
     for (const char *text = websocket_take(&self->socket); text;
          text = websocket_take(&self->socket))
         hear(self, text);
-    (void)websocket_go_on(&self->socket); /* what it answers, pongs too, must not cost a face */
+    (void)websocket_go_on(&self->socket); /* its answers and pongs must not delay a face */
 }
 
 static mrt_result send_face(mrt_plugin *self, const double *params, const mrt_face_sample *sample)
