@@ -50,7 +50,7 @@ static int64_t now_ns(void)
 static void put(const openxr_record *record)
 {
     if (write(OPENXR_FD, record, sizeof *record) != (ssize_t)sizeof *record)
-        _exit(0); /* nobody reads */
+        _exit(0); /* the reader closed the pipe */
 }
 
 __attribute__((format(printf, 2, 3))) static void put_text(uint32_t kind, const char *format, ...)

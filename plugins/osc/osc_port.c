@@ -39,7 +39,7 @@ struct osc_port {
     bool is_receiving;      /* an input waits at the socket, without the mutex */
     osc_dispatcher dispatcher;
     trace trace;
-    unsigned char packet[OSC_PACKET_MAX]; /* of who receives */
+    unsigned char packet[OSC_PACKET_MAX]; /* buffer of the receiving input */
 };
 
 static pthread_mutex_t ports_mutex = PTHREAD_MUTEX_INITIALIZER;

@@ -117,7 +117,7 @@ bool layout_is_analogue(const layout_switch *s)
 
 /* ---- as text ---- */
 
-/* The format of a layout, one thing a line:
+/* Format of a layout, one item per line:
  *
  *   marotte pedal layout 1
  *   device 05f3:00ff VEC USB Footpedal

@@ -294,8 +294,7 @@ static void keep_report(usb *self, const struct libusb_transfer *transfer)
     self->woken = 1;
 }
 
-/* If the queue is full, no new transfer is started, and the device waits until usb_wait
- * continues. */
+/* While the queue is full, submits no new transfer, so the device waits. usb_wait continues. */
 static void LIBUSB_CALL on_transfer(struct libusb_transfer *transfer)
 {
     usb *self = transfer->user_data;
