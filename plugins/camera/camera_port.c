@@ -545,7 +545,7 @@ bool camera_port_pop(camera_port *port, camera_listener *listener, camera_frame 
     return found;
 }
 
-static void tell_page(camera_port *port)
+static void send_to_page(camera_port *port)
 {
     if (port->page >= 0)
         (void)send_state(port, &port->connection[port->page]);
@@ -557,7 +557,7 @@ void camera_port_join(camera_port *port, camera_listener *listener)
     listener->first = listener->count = listener->lost = 0;
     listener->next = port->listeners;
     port->listeners = listener;
-    tell_page(port);
+    send_to_page(port);
     pthread_mutex_unlock(&port->mutex);
 }
 
@@ -569,7 +569,7 @@ void camera_port_leave(camera_port *port, camera_listener *listener)
             *at = listener->next;
             break;
         }
-    tell_page(port);
+    send_to_page(port);
     pthread_mutex_unlock(&port->mutex);
 }
 

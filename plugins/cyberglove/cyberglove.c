@@ -107,7 +107,7 @@ static glove_settings settings_of(const double *params)
         .patience = within(params[PARAM_PATIENCE], 0.02, 1.0)};
 }
 
-static void say_limits(glove_drive *drive)
+static void report_limits(glove_drive *drive)
 {
     const glove_unit *unit = &drive->unit;
     const glove_settings *settings = &drive->settings;
@@ -139,7 +139,7 @@ static void say_limits(glove_drive *drive)
                          name, settings->baud, unit->asked_hz, settings->rate_hz);
 }
 
-static void say_what_it_is(glove_drive *drive)
+static void report_model(glove_drive *drive)
 {
     const glove_unit *unit = &drive->unit;
     char rate[40] = "its own rate";
@@ -149,7 +149,7 @@ static void say_what_it_is(glove_drive *drive)
                      drive->port.name, unit->hand == MRT_LEFT ? "left" : "right",
                      unit->sensors.count, rate, unit->is_polled ? " (polled)" : "",
                      unit->layout.has_time ? "its own time stamps" : "times of arrival");
-    say_limits(drive);
+    report_limits(drive);
 }
 
 static void glove_close(mrt_plugin *self)
@@ -181,7 +181,7 @@ static mrt_result plugin_open(mrt_plugin *self, const char *address, const doubl
     self->has_told_loss = false;
     self->has_last = false;
     describe_channels(self);
-    say_what_it_is(&self->drive);
+    report_model(&self->drive);
     return MRT_OK;
 }
 

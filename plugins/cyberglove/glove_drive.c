@@ -57,7 +57,7 @@ static void begin(glove_drive *self)
 
 /* Discards pending bytes. With the port's old settings the system may echo them to the glove as
  * commands. */
-static void let_fall_silent(glove_drive *self)
+static void discard_pending(glove_drive *self)
 {
     unsigned char ignored[256];
     int64_t now_ns = device_clock_ns();
@@ -74,7 +74,7 @@ void glove_drive_end(glove_drive *self)
         return;
     if (glove_port_write(&self->port, &stop, 1)) {
         glove_port_drain(&self->port);
-        let_fall_silent(self);
+        discard_pending(self);
     }
     glove_port_close(&self->port);
 }
@@ -99,7 +99,7 @@ static void believe_status(glove_drive *self, uint8_t status)
     self->doubtful_status = status;
 }
 
-static void say_complaints(glove_drive *self, const glove_record *record)
+static void report_warnings(glove_drive *self, const glove_record *record)
 {
     if (record->is_too_fast)
         glove_drive_tell(self, GLOVE_TOLD_TOO_FAST, MRT_LOG_WARNING,
@@ -120,7 +120,7 @@ static void say_complaints(glove_drive *self, const glove_record *record)
 static bool accept(glove_drive *self, glove_record *record, int64_t *out_time_ns)
 {
     believe_status(self, record->status);
-    say_complaints(self, record);
+    report_warnings(self, record);
     self->has_asked = false;
     self->unplugged = record->is_unplugged ? self->unplugged + 1 : 0;
     if (self->unplugged > 1) {

@@ -219,7 +219,7 @@ static bool is_pseudo(const char *path)
     return strncmp(real, "/dev/pts/", 9) == 0;
 }
 
-static mrt_result say_busy(const char *path, const char *holder, glove_why *why)
+static mrt_result report_busy(const char *path, const char *holder, glove_why *why)
 {
     return glove_why_set(why, MRT_ERR_IO, "%s is in use by %s: close that program first", path,
                          holder[0] ? holder : "another program");
@@ -236,7 +236,7 @@ static mrt_result explain(const char *path, int failure, int own, glove_why *why
         return glove_why_set(why, MRT_ERR_IO, "%s: no permission: %s", path, advice);
     case EBUSY:
         glove_find_other_holder(path, own, holder, sizeof holder);
-        return say_busy(path, holder, why);
+        return report_busy(path, holder, why);
     case ENOENT:
     case ENODEV:
     case ENXIO:
@@ -247,7 +247,7 @@ static mrt_result explain(const char *path, int failure, int own, glove_why *why
 }
 
 /* Locks the port, because two readers would get only parts of the bytes. */
-static mrt_result take_alone(glove_port *self, const char *path, glove_why *why)
+static mrt_result lock_port(glove_port *self, const char *path, glove_why *why)
 {
     char holder[96] = "";
     bool pseudo = is_pseudo(path);
@@ -259,7 +259,7 @@ static mrt_result take_alone(glove_port *self, const char *path, glove_why *why)
     if (pseudo)
         return MRT_OK;
     if (glove_find_other_holder(path, self->file, holder, sizeof holder))
-        return say_busy(path, holder, why);
+        return report_busy(path, holder, why);
     self->is_exclusive = ioctl(self->file, TIOCEXCL) == 0;
     return MRT_OK;
 }
@@ -323,7 +323,7 @@ static mrt_result take(glove_port *self, const char *path, speed_t code, glove_w
     struct stat about;
     if (fstat(self->file, &about) != 0 || !S_ISCHR(about.st_mode) || !isatty(self->file))
         return glove_why_set(why, MRT_ERR_UNSUPPORTED, "%s is not a serial port", path);
-    mrt_result result = take_alone(self, path, why);
+    mrt_result result = lock_port(self, path, why);
     if (result < 0)
         return result;
     return set_line(self, path, code, why);

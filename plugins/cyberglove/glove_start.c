@@ -40,7 +40,7 @@ static void talk_init(glove_talk *self, glove_port *port, const mrt_host *host, 
 }
 
 /* Returns true while the start-up can continue: port open, host running, time left. */
-static bool talk_goes_on(const glove_talk *self)
+static bool can_continue(const glove_talk *self)
 {
     return !self->is_gone && !self->is_stopping && device_clock_ns() < self->deadline_ns;
 }
@@ -73,7 +73,7 @@ static void remember(glove_talk *self, const unsigned char *bytes, size_t count)
 }
 
 /* Receives until bytes arrive or the time is over. Returns their number. */
-static size_t talk_hear(glove_talk *self, int64_t until_ns)
+static size_t talk_receive(glove_talk *self, int64_t until_ns)
 {
     unsigned char bytes[256];
     while (!self->is_gone && !self->is_stopping) {
@@ -98,17 +98,17 @@ static size_t talk_hear(glove_talk *self, int64_t until_ns)
 static bool talk_listen(glove_talk *self, int64_t limit_ms)
 {
     int64_t until_ns = talk_until(self, limit_ms);
-    while (talk_goes_on(self) && device_clock_ns() < until_ns)
-        talk_hear(self, until_ns);
-    return talk_goes_on(self);
+    while (can_continue(self) && device_clock_ns() < until_ns)
+        talk_receive(self, until_ns);
+    return can_continue(self);
 }
 
 /* Receives until nothing arrives for 40 ms, at most 200 ms, and discards the bytes. */
 static void talk_settle(glove_talk *self)
 {
     int64_t most_ns = talk_until(self, settle_most_ms);
-    while (talk_goes_on(self) && device_clock_ns() < most_ns)
-        if (talk_hear(self, talk_until(self, settle_quiet_ms)) == 0)
+    while (can_continue(self) && device_clock_ns() < most_ns)
+        if (talk_receive(self, talk_until(self, settle_quiet_ms)) == 0)
             break;
     self->heard_count = 0;
 }
@@ -130,8 +130,8 @@ static glove_reply talk_ask(glove_talk *self, char letter, unsigned char *out_va
     self->heard_count = 0;
     talk_say(self, question, sizeof question);
     glove_reply reply = GLOVE_SILENT;
-    while (reply == GLOVE_SILENT && talk_goes_on(self) && device_clock_ns() < until_ns)
-        if (talk_hear(self, until_ns) > 0)
+    while (reply == GLOVE_SILENT && can_continue(self) && device_clock_ns() < until_ns)
+        if (talk_receive(self, until_ns) > 0)
             reply =
                 glove_reply_value(self->heard, self->heard_count, letter, out_value, value_size);
     return conclude(self, reply);
@@ -145,8 +145,8 @@ static glove_reply talk_order(glove_talk *self, const void *bytes, size_t size, 
     self->heard_count = 0;
     talk_say(self, bytes, size);
     glove_reply reply = GLOVE_SILENT;
-    while (reply == GLOVE_SILENT && talk_goes_on(self) && device_clock_ns() < until_ns)
-        if (talk_hear(self, until_ns) > 0)
+    while (reply == GLOVE_SILENT && can_continue(self) && device_clock_ns() < until_ns)
+        if (talk_receive(self, until_ns) > 0)
             reply = glove_reply_done(self->heard, self->heard_count, letter);
     return conclude(self, reply);
 }
@@ -164,7 +164,7 @@ static const double line_share = 0.95;
 
 /* ---- identifying the device ---- */
 
-static mrt_result say_silent(const glove_talk *talk, glove_why *why)
+static mrt_result report_silence(const glove_talk *talk, glove_why *why)
 {
     const glove_port *port = talk->port;
     if (port->baud == 0)
@@ -175,8 +175,8 @@ static mrt_result say_silent(const glove_talk *talk, glove_why *why)
                          port->name, port->baud);
 }
 
-static mrt_result say_no_glove(const glove_talk *talk, const unsigned char *bytes, size_t count,
-                               glove_why *why)
+static mrt_result report_other_device(const glove_talk *talk, const unsigned char *bytes,
+                                      size_t count, glove_why *why)
 {
     char hex[50];
     glove_why_hex(hex, sizeof hex, bytes, count);
@@ -200,7 +200,7 @@ static mrt_result end_of(const glove_talk *talk, glove_why *why)
     if (talk->is_gone)
         return glove_why_set(why, MRT_ERR_IO, "%s disappeared during start-up: was it unplugged?",
                              talk->port->name);
-    if (!talk_goes_on(talk))
+    if (!can_continue(talk))
         return glove_why_set(why, MRT_ERR_IO,
                              "%s answers too slowly. If it is a CyberGlove, switch it off and on",
                              talk->port->name);
@@ -208,7 +208,7 @@ static mrt_result end_of(const glove_talk *talk, glove_why *why)
 }
 
 /* Stops whatever the glove is sending. */
-static void hush(glove_talk *talk)
+static void stop_sending(glove_talk *talk)
 {
     const char stop = GLOVE_CTRL_C;
     talk_say(talk, &stop, 1);
@@ -225,7 +225,7 @@ typedef struct first_words {
 
 static bool is_ready(glove_talk *talk, int tries, uint32_t *out, first_words *heard)
 {
-    for (int i = 0; i < tries && talk_goes_on(talk); ++i) {
+    for (int i = 0; i < tries && can_continue(talk); ++i) {
         unsigned char value = 0;
         glove_reply reply = talk_ask(talk, 'G', &value, 1, ask_ms);
         *out = value;
@@ -244,7 +244,7 @@ static mrt_result find_glove(glove_talk *talk, glove_effort effort, uint32_t *ou
 {
     first_words heard = {.count = 0};
     bool ready = is_ready(talk, effort == GLOVE_MAY_RESTART ? ASK_TRIES : 2, out_readiness, &heard);
-    if (!ready && effort == GLOVE_MAY_RESTART && talk_goes_on(talk)) {
+    if (!ready && effort == GLOVE_MAY_RESTART && can_continue(talk)) {
         const char restart = GLOVE_CTRL_R;
         talk_say(talk, &restart, 1);
         if (talk_listen(talk, restart_ms))
@@ -254,8 +254,8 @@ static mrt_result find_glove(glove_talk *talk, glove_effort effort, uint32_t *ou
         return MRT_OK;
     if (talk->is_gone || talk->is_stopping)
         return end_of(talk, why);
-    return heard.count > 0 ? say_no_glove(talk, heard.bytes, heard.count, why)
-                           : say_silent(talk, why);
+    return heard.count > 0 ? report_other_device(talk, heard.bytes, heard.count, why)
+                           : report_silence(talk, why);
 }
 
 static uint32_t ask_mask(glove_talk *talk, char letter, int64_t limit_ms)
@@ -377,7 +377,7 @@ static void give_rate(glove_talk *talk, const glove_settings *settings, glove_un
         return;
     }
     note_refusal(unit, 'T');
-    hush(talk); /* ignore its answer to the digits */
+    stop_sending(talk); /* ignore its answer to the digits */
 }
 
 /* Sets up records of bytes: D, U, F, T. Continues without the commands that the glove rejects. */
@@ -390,7 +390,7 @@ static mrt_result set_up(glove_talk *talk, const glove_settings *settings, glove
     if (settings->filter != GLOVE_FILTER_AS_IT_IS)
         give_flag(talk, out, 'F', settings->filter == GLOVE_FILTER_ON);
     give_rate(talk, settings, out);
-    if (settings->stamps == GLOVE_STAMPS_ON && !out->layout.has_time && talk_goes_on(talk))
+    if (settings->stamps == GLOVE_STAMPS_ON && !out->layout.has_time && can_continue(talk))
         return glove_why_set(why, MRT_ERR_UNSUPPORTED,
                              "%s has no time stamps, as most CyberGlove II and III: leave "
                              "time_stamps=auto",
@@ -430,7 +430,7 @@ static void adopt(glove_unit *unit, glove_parse *parse, const glove_layout *layo
 typedef enum heard_records { HEARD_NONE = 0, HEARD_NO_GLOVE, HEARD_RECORD } heard_records;
 
 /* Passes the last received bytes to the parser. */
-static heard_records take_heard(const glove_talk *talk, size_t count, glove_parse *parse)
+static heard_records parse_received(const glove_talk *talk, size_t count, glove_parse *parse)
 {
     const unsigned char *bytes = talk->heard + talk->heard_count - count;
     glove_record record;
@@ -447,7 +447,7 @@ static heard_records take_heard(const glove_talk *talk, size_t count, glove_pars
     return found;
 }
 
-static mrt_result say_no_record(const glove_talk *talk, const glove_unit *unit, glove_why *why)
+static mrt_result report_no_record(const glove_talk *talk, const glove_unit *unit, glove_why *why)
 {
     char hex[98];
     const char *name = talk->port->name;
@@ -469,7 +469,7 @@ static int64_t first_limit_ms(const glove_unit *unit)
     return three_ms > first_record_ms ? three_ms : first_record_ms;
 }
 
-static mrt_result say_no_hand(const glove_talk *talk, glove_why *why)
+static mrt_result report_no_hand(const glove_talk *talk, glove_why *why)
 {
     return glove_why_set(why, MRT_ERR_IO,
                          "%s: the box answers, but the glove is not plugged into it: plug it in",
@@ -485,16 +485,16 @@ static mrt_result have_record(glove_talk *talk, glove_unit *unit, glove_parse *p
         talk->is_gone = true;
     int64_t until_ns = talk_until(talk, first_limit_ms(unit));
     heard_records found = HEARD_NONE;
-    while (talk_goes_on(talk) && device_clock_ns() < until_ns) {
+    while (can_continue(talk) && device_clock_ns() < until_ns) {
         int64_t try_ns = unit->is_polled ? talk_until(talk, poll_again_ms) : until_ns;
-        size_t count = talk_hear(talk, try_ns < until_ns ? try_ns : until_ns);
+        size_t count = talk_receive(talk, try_ns < until_ns ? try_ns : until_ns);
         bool asks_again = unit->is_polled && !talk->is_gone;
-        heard_records now = take_heard(talk, count, parse);
+        heard_records now = parse_received(talk, count, parse);
         glove_layout other = unit->layout;
         if (now == HEARD_NONE && found == HEARD_NONE &&
             glove_layout_guess(talk->heard, talk->heard_count, &other)) {
             adopt(unit, parse, &other);
-            now = take_heard(talk, talk->heard_count, parse);
+            now = parse_received(talk, talk->heard_count, parse);
         }
         if (now == HEARD_RECORD)
             return MRT_OK;
@@ -505,7 +505,7 @@ static mrt_result have_record(glove_talk *talk, glove_unit *unit, glove_parse *p
     }
     if (talk->is_gone || talk->is_stopping)
         return end_of(talk, why);
-    return found == HEARD_NO_GLOVE ? say_no_hand(talk, why) : say_no_record(talk, unit, why);
+    return found == HEARD_NO_GLOVE ? report_no_hand(talk, why) : report_no_record(talk, unit, why);
 }
 
 mrt_result glove_start(glove_port *port, const mrt_host *host, const glove_settings *settings,
@@ -514,7 +514,7 @@ mrt_result glove_start(glove_port *port, const mrt_host *host, const glove_setti
     glove_talk talk;
     *out = (glove_unit){.layout = {.form = settings->form}};
     talk_init(&talk, port, host, settings->patience, whole_ms);
-    hush(&talk);
+    stop_sending(&talk);
     mrt_result result = find_glove(&talk, effort, &out->readiness, why);
     if (result < 0)
         return result;

@@ -230,7 +230,7 @@ static void input_close(mrt_plugin *self)
     self->descriptor = -1;
 }
 
-static mrt_result say_absent(const mrt_plugin *self, uint32_t count)
+static mrt_result report_absent(const mrt_plugin *self, uint32_t count)
 {
     if (self->identity[0])
         device_say(self->host, MRT_LOG_ERROR,
@@ -258,7 +258,7 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
     while (at < count && !is_wanted(self, &device[at], at))
         at += 1;
     if (at == count)
-        return say_absent(self, count);
+        return report_absent(self, count);
     self->pad = device[at];
     self->descriptor = evdev_open(&self->pad, &self->state);
     if (self->descriptor < 0) {

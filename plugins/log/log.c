@@ -36,7 +36,7 @@ static void say(const mrt_plugin *self, int32_t level, const char *text)
 
 /* ---- opening ---- */
 
-static void say_damage(const mrt_plugin *self, const char *path)
+static void log_damage_count(const mrt_plugin *self, const char *path)
 {
     const log_data *data = &self->data;
     char text[LOG_REASON + 256];
@@ -61,7 +61,7 @@ static mrt_result read_log(mrt_plugin *self, const char *path, uint32_t hand)
         return result;
     }
     if (self->data.damaged_count > 0)
-        say_damage(self, path);
+        log_damage_count(self, path);
     return MRT_OK;
 }
 
@@ -86,7 +86,7 @@ static bool wants_mirror(const double *params)
 
 /* Warns if raw values are mirrored, because the calibration converts raw values for the original
  * hand. */
-static void say_if_counts_are_mirrored(const mrt_plugin *self)
+static void warn_if_counts_are_mirrored(const mrt_plugin *self)
 {
     for (uint32_t i = 0; i < self->data.channel_count; ++i)
         if (strcmp(self->data.unit[i], "count") == 0) {
@@ -110,7 +110,7 @@ static mrt_result log_open(mrt_plugin *self, const char *address, const double *
     self->is_mirrored = wants_mirror(params);
     if (self->is_mirrored) {
         log_mirror(&self->data);
-        say_if_counts_are_mirrored(self);
+        warn_if_counts_are_mirrored(self);
     }
     self->is_open = true;
     self->asked_to_restart = false;
@@ -252,7 +252,7 @@ static bool turn_around(mrt_plugin *self, const double *params, const section *p
     return false;
 }
 
-static void say_once_if_empty(mrt_plugin *self)
+static void warn_once_if_empty(mrt_plugin *self)
 {
     if (self->sequence > 0 || self->told_empty)
         return;
@@ -282,7 +282,7 @@ static mrt_result log_read(mrt_plugin *self, const double *params, int64_t deadl
     follow_speed(self, params);
     follow_hand(self, params);
     if (is_over(self, &played) && !turn_around(self, params, &played)) {
-        say_once_if_empty(self);
+        warn_once_if_empty(self);
         return MRT_END;
     }
     int64_t due = due_ns(self, self->data.time_ns[self->next]);

@@ -107,7 +107,7 @@ static void publish_frame(const openxr_hand hand[2], int64_t time_ns)
 }
 
 /* Logs each message once, not for every new attempt. */
-static void say_trouble(watcher *self, const char *text)
+static void report_trouble(watcher *self, const char *text)
 {
     if (strcmp(self->last_reason, text) == 0)
         return;
@@ -178,7 +178,7 @@ static void start(watcher *self, int64_t now_ns)
     self->pid = 0;
     self->next_start_ns = now_ns + retry_most_ns;
     (void)snprintf(text, sizeof text, "cannot run %.200s: %s", shared.program, strerror(failed));
-    say_trouble(self, text);
+    report_trouble(self, text);
 }
 
 /* Waits this long for the process to end, then kills it. Does not wait forever for a process that
@@ -226,7 +226,7 @@ static void give_up(watcher *self, const char *why)
         (void)snprintf(text, sizeof text,
                        "the OpenXR runtime ended its program (code %d): restarting it",
                        WIFEXITED(status) ? WEXITSTATUS(status) : 0);
-    say_trouble(self, text);
+    report_trouble(self, text);
 }
 
 /* ---- records ---- */

@@ -70,7 +70,7 @@ static void say(mrt_plugin *self, const char *name, float value)
     self->bytes += bytes;
 }
 
-static void say_contacts(mrt_plugin *self, const mrt_vec3 *offset)
+static void send_contacts(mrt_plugin *self, const mrt_vec3 *offset)
 {
     const mrt_face *face = self->names->face;
     for (uint32_t i = 0; i < face->contact_count; ++i) {
@@ -103,7 +103,7 @@ static mrt_result send(mrt_plugin *self, const double *params, const mrt_face_sa
     for (uint32_t i = 0; params[MOTIONS] > 0.5 && i < n->face->dof_count; ++i)
         say(self, n->face->dofs[i].name, sample->dofs[i]);
     if (params[CONTACTS] > 0.5)
-        say_contacts(self, sample->contacts);
+        send_contacts(self, sample->contacts);
     end_message(self);
     return osc_sender_end(&self->sender);
 }

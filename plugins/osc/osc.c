@@ -170,7 +170,7 @@ static mrt_result wait_until_there(osc_input *self, int64_t wait_ns)
 }
 
 /* The socket failed: the next open() creates a new one. */
-static mrt_result say_network_failed(osc_input *self)
+static mrt_result report_network_failure(osc_input *self)
 {
     device_say(self->host, MRT_LOG_ERROR,
                "port %u: the network failed: is the connection still there?",
@@ -179,7 +179,7 @@ static mrt_result say_network_failed(osc_input *self)
     return MRT_ERR_IO;
 }
 
-static mrt_result say_nobody(osc_input *self)
+static mrt_result report_no_sender(osc_input *self)
 {
     const osc_address *address = &self->address;
     if (self->is_lost) { /* reported when it was lost */
@@ -247,7 +247,7 @@ static mrt_result input_open(mrt_plugin *plugin, const char *address, const doub
         begin(self);
         return MRT_OK;
     }
-    result = result < 0 ? say_network_failed(self) : say_nobody(self);
+    result = result < 0 ? report_network_failure(self) : report_no_sender(self);
     if (!self->is_lost)
         stop_listening(self);
     return result;
@@ -412,7 +412,7 @@ static mrt_result input_read(mrt_plugin *plugin, const double *params, int64_t d
             return MRT_OK;
         }
         if (!works)
-            return say_network_failed(self);
+            return report_network_failure(self);
         if (quiet.loss)
             return lose(self, quiet.loss);
         if (has_waited && until_ns - now_ns < OSC_PORT_WAIT_LEAST_NS)
@@ -512,7 +512,7 @@ static mrt_result start_thread(osc_output *self)
     return MRT_ERR_MEMORY;
 }
 
-static void say_end(osc_output *self)
+static void send_end(osc_output *self)
 {
     for (int i = 0; i < SOURCES_MAX; ++i)
         if (self->source[i].table.count > 0)
@@ -531,7 +531,7 @@ static void output_close(mrt_plugin *plugin)
     pthread_cond_signal(&self->wake);
     pthread_mutex_unlock(&self->mutex);
     pthread_join(self->thread, NULL);
-    say_end(self);
+    send_end(self);
     if (self->failed_count > 0)
         device_say(self->host, MRT_LOG_INFO, "%u datagrams could not be sent to %s port %u",
                    self->failed_count, self->address.host, (unsigned)self->address.port);

@@ -517,8 +517,8 @@ static void take_channels(osc_dispatcher *self)
 }
 
 /* A listener without any sample also accepts a repeated one. */
-static void tell_sample(osc_dispatcher *self, const osc_source *source, source_news news,
-                        uint32_t step, int64_t time_ns)
+static void deliver_sample(osc_dispatcher *self, const osc_source *source, source_news news,
+                           uint32_t step, int64_t time_ns)
 {
     for (osc_listener *l = self->listeners; l; l = l->next) {
         if (!l->is_forwarded || strcmp(l->bound, source->name) != 0)
@@ -548,7 +548,7 @@ static void take_sample(osc_dispatcher *self)
     self->double_count += news == SOURCE_DOUBLE;
     self->untold_count += news == SOURCE_UNTOLD;
     if (news != SOURCE_MISSHAPEN && news != SOURCE_UNTOLD)
-        tell_sample(self, source, news, step, time_ns);
+        deliver_sample(self, source, news, step, time_ns);
 }
 
 static void take_end(osc_dispatcher *self)
@@ -564,7 +564,7 @@ static void take_end(osc_dispatcher *self)
 
 /* ---- packets ---- */
 
-static void tell_hands(osc_dispatcher *self, const char *address)
+static void deliver_to_hands(osc_dispatcher *self, const char *address)
 {
     for (osc_listener *l = self->listeners; l; l = l->next) {
         if (listener_take(l, &self->event, self->peer, self->now_ns))
@@ -589,7 +589,7 @@ static void take_message(void *context, const osc_message *message)
     else if (self->event.kind == OSC_EVENT_END)
         take_end(self);
     else if (self->event.kind != OSC_EVENT_NONE)
-        tell_hands(self, message->address);
+        deliver_to_hands(self, message->address);
 }
 
 void osc_dispatcher_take(osc_dispatcher *self, void *bytes, size_t size, const udp_peer *peer,

@@ -186,8 +186,8 @@ static void local_rotation(float out[4], const mrt_face_names *n, const mrt_face
     out[3] = rotation[3];
 }
 
-static void say_bone(mrt_plugin *self, const char *address, const char *name,
-                     const float rotation[4])
+static void send_bone(mrt_plugin *self, const char *address, const char *name,
+                      const float rotation[4])
 {
     osc_builder message = osc_builder_start();
     osc_builder_text(&message, name);
@@ -210,7 +210,7 @@ static int head_bone_of(const mrt_plugin *self, const char *name, bool with_jaw)
 }
 
 /* A performer sends all bones, an assistant only the face's bones. */
-static void say_bones(mrt_plugin *self, const double *params, const mrt_face_sample *sample)
+static void send_bones(mrt_plugin *self, const double *params, const mrt_face_sample *sample)
 {
     for (int i = 0; i < BODY_BONES; ++i) {
         int of = head_bone_of(self, body_bone[i], params[JAW] > 0.5);
@@ -218,13 +218,13 @@ static void say_bones(mrt_plugin *self, const double *params, const mrt_face_sam
         if (of >= 0)
             local_rotation(rotation, self->names, sample, self->bone[of]);
         if (of >= 0 || params[ROLE] > 0.5)
-            say_bone(self, "/VMC/Ext/Bone/Pos", body_bone[i], rotation);
+            send_bone(self, "/VMC/Ext/Bone/Pos", body_bone[i], rotation);
     }
 }
 
 /* ---- blend shapes ---- */
 
-static void say_blend(mrt_plugin *self, const char *name, float value)
+static void send_blend(mrt_plugin *self, const char *name, float value)
 {
     osc_builder message = osc_builder_start();
     osc_builder_text(&message, name);
@@ -232,7 +232,7 @@ static void say_blend(mrt_plugin *self, const char *name, float value)
     osc_sender_add(&self->sender, &message, "/VMC/Ext/Blend/Val");
 }
 
-static void say_blends(mrt_plugin *self, const double *params, const mrt_face_sample *sample)
+static void send_blends(mrt_plugin *self, const double *params, const mrt_face_sample *sample)
 {
     const mrt_face_names *n = self->names;
     bool has_arkit = n->weight_count >= ARKIT;
@@ -241,13 +241,13 @@ static void say_blends(mrt_plugin *self, const double *params, const mrt_face_sa
         (void)snprintf(name, sizeof name, "%.64s", n->weights[i]);
         if ((int)params[CASE] == CASE_CAMEL && name[0] >= 'A' && name[0] <= 'Z')
             name[0] = (char)(name[0] - 'A' + 'a');
-        say_blend(self, name, sample->weights[i]);
+        send_blend(self, name, sample->weights[i]);
     }
     for (int i = 0; (int)params[NAMES] != NAMES_ARKIT && i < PRESETS; ++i)
         if (self->preset[i] != UINT32_MAX)
-            say_blend(self, preset_name[i][1], sample->weights[self->preset[i]]);
+            send_blend(self, preset_name[i][1], sample->weights[self->preset[i]]);
     for (uint32_t i = 0; (params[OWN] > 0.5 || !has_arkit) && i < n->shape_count; ++i)
-        say_blend(self, n->shapes[i], sample->shapes[i]);
+        send_blend(self, n->shapes[i], sample->shapes[i]);
     osc_builder message = osc_builder_start();
     osc_sender_add(&self->sender, &message, "/VMC/Ext/Blend/Apply");
 }
@@ -263,9 +263,9 @@ static mrt_result send(mrt_plugin *self, const double *params, const mrt_face_sa
     osc_builder_float(&message, (float)((double)at_ns * 1e-9));
     osc_sender_add(&self->sender, &message, "/VMC/Ext/T");
     if (params[ROLE] > 0.5)
-        say_bone(self, "/VMC/Ext/Root/Pos", "root", no_rotation);
-    say_bones(self, params, sample);
-    say_blends(self, params, sample);
+        send_bone(self, "/VMC/Ext/Root/Pos", "root", no_rotation);
+    send_bones(self, params, sample);
+    send_blends(self, params, sample);
     return osc_sender_end(&self->sender);
 }
 

@@ -259,7 +259,7 @@ static void open_device(mrt_plugin *self, const usb_device *device, const layout
     out->result = MRT_OK;
 }
 
-static void say_opened(const mrt_plugin *self)
+static void report_opened(const mrt_plugin *self)
 {
     char advice[ADVICE_TEXT];
     if (self->layout.switch_count > 0) {
@@ -393,7 +393,7 @@ static mrt_result pedal_open(mrt_plugin *self, const char *text, const double *p
     memcpy(self->opened_with, params, sizeof self->opened_with);
     self->is_open = true;
     self->has_lesson_due = params[PARAM_LEARN] > 0.5;
-    say_opened(self);
+    report_opened(self);
     return MRT_OK;
 }
 

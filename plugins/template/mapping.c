@@ -98,8 +98,7 @@ static size_t save(mrt_plugin *self, void *out, size_t capacity) /* [frame] */
     return sizeof now;
 }
 
-static mrt_result load(mrt_plugin *self, const void *bytes,
-                       size_t size) /* [frame] all or nothing */
+static mrt_result load(mrt_plugin *self, const void *bytes, size_t size) /* [frame] all or none */
 {
     memory then;
     if (size != sizeof then)

@@ -125,7 +125,7 @@ static json_t *who(void)
     return json_pack("{s:s, s:s}", "pluginName", plugin_name, "pluginDeveloper", developer);
 }
 
-static void ask_for_token(mrt_plugin *self)
+static void request_token(mrt_plugin *self)
 {
     self->token[0] = '\0';
     self->stage = STAGE_TOKEN;
@@ -140,7 +140,7 @@ static void log_in(mrt_plugin *self)
     json_t *data = who();
     if (!self->token[0]) {
         json_decref(data);
-        ask_for_token(self);
+        request_token(self);
         return;
     }
     json_object_set_new(data, "authenticationToken", json_string(self->token));
@@ -272,7 +272,7 @@ static void hear(mrt_plugin *self, const char *text)
         if (json_is_true(json_object_get(data, "authenticated")))
             ask_for_list(self);
         else
-            ask_for_token(self);
+            request_token(self);
     } else if (strcmp(type, "InputParameterListResponse") == 0) {
         hear_list(self, data);
     } else if (strcmp(type, "ParameterCreationResponse") == 0) {
