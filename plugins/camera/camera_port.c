@@ -411,7 +411,7 @@ static void send_all(camera_port *self, connection *c, int64_t now_ns)
         if (c->state == ANSWERING)
             c->until_ns = now_ns + stall_span_ns;
         if (is_file && !is_head)
-            return; /* others in between */
+            return; /* lets other connections run in between */
     }
     if (c->state == ANSWERING || (c->state == PAGE && c->is_ending)) {
         (void)shutdown(c->socket, SHUT_WR);

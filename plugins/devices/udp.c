@@ -219,8 +219,7 @@ int64_t udp_receive(int socket, void *out, size_t capacity, udp_peer *out_peer, 
         ssize_t size = recvfrom(socket, out, capacity, 0, (struct sockaddr *)&from, &from_size);
         if (size >= 0) {
             *out_peer = peer_of(&from, from.ss_family);
-            return size > 0 ? size : 1; /* ignore an empty datagram, like the invalid OSC datagram
-                                           of one byte */
+            return size > 0 ? size : 1; /* an empty one counts as 1 byte: both are invalid */
         }
         if (!is_passing(errno))
             return UDP_FAILED;

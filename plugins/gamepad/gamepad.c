@@ -189,7 +189,7 @@ struct mrt_plugin {
     trace trace;
     mrt_channel channel[PAD_CHANNELS];
 
-    struct input_event event[EVENTS]; /* that have come */
+    struct input_event event[EVENTS]; /* received and unread */
     uint32_t event_count, event_at;
     bool has_dropped; /* the system lost events: those up to the next report are useless */
     bool is_lost, has_told_loss, is_due;

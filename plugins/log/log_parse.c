@@ -40,9 +40,8 @@ static log_text taken(log_text *rest, char separator)
     return trimmed(piece);
 }
 
-/* Removes the next line from `rest`, trimmed of blanks and of its \r
- *  or
- * . Returns false at the end. */
+/* Removes the next line from `rest`, trimmed of blanks and of its \r\n or \n. Returns false
+ * at the end. */
 static bool next_line(log_text *rest, log_text *out_line)
 {
     if (!rest->at || rest->at == rest->end)

@@ -55,7 +55,7 @@ struct mrt_plugin {
     size_t chunk_size, chunk_at;
     midi_event event; /* event that waits until a sample was returned */
     bool has_event;
-    int64_t chunk_ns;                /* when it came */
+    int64_t chunk_ns;                /* time of arrival */
     bool is_touched;                 /* something changed since the last sample */
     bool is_moved[MRT_MAX_CHANNELS]; /* of the channels, since the last sample */
     int64_t sensing_due_ns;          /* INT64_MAX: the device sends no active sensing messages */

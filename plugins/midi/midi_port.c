@@ -103,7 +103,7 @@ static int raw_read(int descriptor, uint8_t *out, size_t capacity)
 
 static const char pattern[] = "/dev/snd/midiC*D*", old_pattern[] = "/dev/midi*";
 
-/* Device files older than ALSA are the same devices again if ALSA is present. */
+/* Lists the old names /dev/midi* only without ALSA, because with it they are the same devices. */
 static bool look(glob_t *out)
 {
     if (glob(pattern, 0, NULL, out) == 0 && out->gl_pathc > 0)

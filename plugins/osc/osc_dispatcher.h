@@ -50,7 +50,7 @@ typedef struct osc_listener {
     char wanted[OSC_SOURCE_LENGTH]; /* forwarded: wanted source; "": any; "log" also matches "log
                                        demo" */
     char bound[OSC_SOURCE_LENGTH];  /* forwarded: source found; "": none yet */
-    uint32_t side;                  /* simple: whose hand */
+    uint32_t side;                  /* simple: hand */
     osc_content content;
     osc_table table; /* channels; count 0 while unknown */
 

@@ -44,7 +44,7 @@ struct mrt_plugin {
     mrt_channel channels[LAYOUT_SWITCHES];
     char channel_names[LAYOUT_SWITCHES][LAYOUT_SWITCH_NAME];
 
-    float value[LAYOUT_SWITCHES]; /* as reported last */
+    float value[LAYOUT_SWITCHES]; /* last reported state */
     debounce debounce;
     usb_report report; /* report that waits for earlier changes */
     bool has_report;

@@ -30,7 +30,7 @@ struct mrt_plugin {
     clutch clutch;
     bool is_touching, was_tool_down;
     uint32_t count, who;                  /* points and hands that touched in the previous frame */
-    mrt_vec3 hand[PLACEMENT_POINTS_MAX];  /* where they were */
+    mrt_vec3 hand[PLACEMENT_POINTS_MAX];  /* their positions */
     float slack_mm[PLACEMENT_POINTS_MAX]; /* distance of each point behind the clay */
     tool with;
     int tool, tool_shift; /* the parameter in the previous frame; steps by the pedal */

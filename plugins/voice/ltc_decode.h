@@ -18,7 +18,7 @@ typedef struct ltc_decoder {
     double sample_rate_hz;
     int64_t sample;   /* number of samples processed */
     double high, low; /* envelope of the sound */
-    double last;      /* the sample before */
+    double last;      /* the previous sample */
     bool is_high;
     double crossing;  /* the last one, in samples */
     double cell;      /* samples per bit; 0: unknown */

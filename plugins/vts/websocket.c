@@ -52,7 +52,7 @@ static uint32_t some(websocket *self)
     return (uint32_t)(self->seed >> 32);
 }
 
-/* ---- begun ---- */
+/* ---- connecting ---- */
 
 bool websocket_connect(websocket *self, const char *host, uint16_t port)
 {
