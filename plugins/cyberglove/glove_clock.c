@@ -72,8 +72,8 @@ static const double period_least_ns = 1e6, period_most_ns = 3e9;
  * stamps confirm it. */
 static const int64_t ahead_ns = 3000000;
 enum { ODD_MAX = 3, MISFIT_MAX = 2 };
-/* Memory of the loop in windows: the first value if the rate was set, and the maximum if it was
- * measured. */
+/* Memory of the loop, in windows: the initial value if the rate was set; the maximum, which is also
+ * the initial value if the rate was measured. */
 enum { MEMORY_TOLD = 4, MEMORY_MOST = 8 };
 
 void glove_clock_init(glove_clock *self, glove_timing timing, int64_t period_ns)
