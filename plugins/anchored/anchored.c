@@ -1,5 +1,5 @@
-/* The paper's anchored mapping: the fingertips take hold of the face where they are at engage, and
- * from then on each pulls its place by as much as it has moved since. */
+/* The paper's anchored mapping: at engage each fingertip grips the point of the face where it is.
+ * After that it moves this point by its own displacement since engage. */
 #include "mapping.h"
 #include "placement.h"
 
@@ -21,8 +21,8 @@ enum { FINGERS = 5, CONTACT_MOST = 256 };
 
 typedef enum phase { LOOSE = 0, SEEKING, HOLDING, SPRINGING } phase;
 
-/* As the paper has it a pull has no reach; beyond this many heights of the face a hand is lost, and
- * the host would take the pull for nonsense (plugin.h: ten sizes). */
+/* The paper does not limit a pull. Beyond this many heights of the face a hand counts as lost,
+ * because the host would reject the pull (plugin.h: ten sizes). */
 static const float paper_reach = 4.0f;
 
 struct mrt_plugin {
@@ -32,9 +32,9 @@ struct mrt_plugin {
     clutch clutch;
     phase phase;
     uint32_t count;                           /* of points held */
-    mrt_vec3 reference[PLACEMENT_POINTS_MAX]; /* where each hand point counts from */
-    mrt_vec3 let_go[PLACEMENT_POINTS_MAX];    /* springing: the displacement at release */
-    uint32_t leader[PLACEMENT_POINTS_MAX];    /* which points share a place (placement_share) */
+    mrt_vec3 reference[PLACEMENT_POINTS_MAX]; /* reference of each hand point */
+    mrt_vec3 let_go[PLACEMENT_POINTS_MAX];    /* springing back: displacement at release */
+    uint32_t leader[PLACEMENT_POINTS_MAX];    /* group of each point (placement_share) */
     double spring_s;                          /* since release */
 };
 
@@ -46,7 +46,7 @@ static mrt_plugin *create(const mrt_host *host)
     return self;
 }
 
-/* d made no longer than reach: d (1 + (|d| / reach)^4)^(-1/4), smooth, and nearly d while short. */
+/* Returns d limited to reach: d (1 + (|d| / reach)^4)^(-1/4), smooth, and nearly d for short d. */
 static mrt_vec3 limited(mrt_vec3 d, float reach_mm)
 {
     float q = (d.x * d.x + d.y * d.y + d.z * d.z) / (reach_mm * reach_mm);
@@ -54,7 +54,7 @@ static mrt_vec3 limited(mrt_vec3 d, float reach_mm)
     return vec_scaled(s, d);
 }
 
-/* d cut off at reach, untouched while shorter. */
+/* Returns d truncated at reach, and unchanged if shorter. */
 static mrt_vec3 cut_off(mrt_vec3 d, float reach_mm)
 {
     float length_mm = sqrtf(d.x * d.x + d.y * d.y + d.z * d.z);
@@ -62,8 +62,8 @@ static mrt_vec3 cut_off(mrt_vec3 d, float reach_mm)
     return vec_scaled(s, d);
 }
 
-/* The contact that each point pulls, 1 + its index; 0: the place where it is. Points as
- * placement_points gives them. */
+/* Finds the contact that each point pulls, 1 + its index; 0: the point where the finger is. Points
+ * as from placement_points. */
 static void find_contacts(const mrt_plugin *self, const mrt_frame *frame, uint32_t count,
                           uint32_t out_contact[PLACEMENT_POINTS_MAX])
 {
@@ -96,8 +96,7 @@ static bool has_other_contacts(const mrt_pull *pull, const uint32_t *contact, ui
     return false;
 }
 
-/* Which points share a place, at the radius that holds now. A finger that is linked to a contact
- * has a place of its own. */
+/* Groups the points with the current radius. A finger linked to a contact is not grouped. */
 static void share_places(mrt_plugin *self, const mrt_pull *pull, const mrt_vec3 *point,
                          const uint32_t *contact, uint32_t count)
 {
@@ -115,7 +114,7 @@ static void share_places(mrt_plugin *self, const mrt_pull *pull, const mrt_vec3 
         self->leader[index[k]] = index[leader[k]];
 }
 
-/* New starts where the hand is now; nothing moves, so nothing jumps. */
+/* Engages: the new starts are the current positions of the hand, so the face does not jump. */
 static void take_hold(mrt_plugin *self, mrt_pull *pull, mrt_vec3 *point, const uint32_t *contact,
                       uint32_t count)
 {
@@ -140,7 +139,7 @@ static void probe(const mrt_plugin *self, mrt_pull *pull, const mrt_vec3 *point,
     pull->mode = MRT_IDLE;
 }
 
-/* The reference follows the hand with time constant leak_s: a held pull eases away. */
+/* The reference follows the hand with time constant leak_s, so a held pull eases away. */
 static void leak(mrt_plugin *self, const mrt_vec3 *point, double leak_s, double dt_s)
 {
     float part = (float)smoothing_share(dt_s, leak_s);
@@ -177,7 +176,7 @@ static void let_go(mrt_plugin *self, const mrt_frame *frame, const mrt_pull *pul
         self->let_go[i] = vec_difference(pull->vector[i].end, pull->vector[i].start);
 }
 
-/* Minimum-jerk way back to the starts. */
+/* Minimum-jerk movement back to the starts. */
 static void spring_back(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
 {
     self->spring_s += frame->dt_s;
@@ -223,8 +222,9 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
         events.engage = true;
     }
     find_contacts(self, frame, count, contact);
-    bool has_changed = self->phase == HOLDING && /* a hand came or went, a finger was linked */
-                       (count != self->count || has_other_contacts(pull, contact, count));
+    bool has_changed =
+        self->phase == HOLDING && /* a hand appeared or disappeared, or a finger was linked */
+        (count != self->count || has_other_contacts(pull, contact, count));
     if (events.release)
         let_go(self, frame, pull);
     else if (events.engage || has_changed)
@@ -268,22 +268,22 @@ MEMORY_RESUME(memory_of);
 /* clang-format off */
 #define CONTACT_PARAM(id, hand, finger)                                                            \
     {id, MRT_PARAM_STEPPED, hand " " finger, "Contacts", "",                                       \
-     "The contact of the face that this finger pulls; 0: the place where it is laid.",             \
+     "Contact that this finger pulls. 0: the point of the face that it touches.",             \
      0, CONTACT_MOST, 0, NULL}
 static const mrt_param params[PARAM_COUNT] = {
     PLACEMENT_PARAMS,
-    {12, 0, "Gain", "Pull", "", "How far the face moves when the hand moves by 1.",
+    {12, 0, "Gain", "Pull", "", "Movement of the face for a movement of 1 of the hand.",
      0, 4, 0.6, NULL},
     {13, 0, "Radius", "Pull", "%",
-     "Support radius of each point, in per cent of the face's height; taken at engage.",
+     "Support radius of each point, in per cent of the face's height. Read at engage.",
      2, 200, 25, NULL},
     {14, 0, "Reach", "Pull", "%",
-     "Where a pull is softly stopped, in per cent of the radius: beyond 47 a surface folds.",
+     "Soft limit of a pull, in per cent of the radius. Above 47 the surface folds.",
      1, 100, 30, NULL},
     {15, MRT_PARAM_STEPPED, "Gate", "Pull", "",
-     "Take hold only when a point is within its radius of the face.", 0, 1, 1, placement_off_on_labels},
+     "Engage a point only when the face is within its radius.", 0, 1, 1, placement_off_on_labels},
     {16, 0, "Leak", "Pull", "s",
-     "Time in which a pull that is held eases back to the base shape; 0: never.", 0, 60, 0, NULL},
+     "Time in which a held pull eases back to the base shape. 0: never.", 0, 60, 0, NULL},
     SOLVER_PARAMS,
     CLUTCH_PARAMS,
     CONTACT_PARAM(30, "Right", "thumb"),
@@ -310,7 +310,7 @@ static const mrt_plugin_type anchored = {
     "org.marotte.anchored",
     "Anchored",
     "1.0",
-    "Fingertips take hold of the face and pull it from where they took hold.",
+    "Each fingertip grips a point of the face and pulls it.",
     create,
     mapping_destroy,
 };

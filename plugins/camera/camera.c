@@ -1,6 +1,6 @@
-/* camera.c - the plugin "org.marotte.camera": a bare hand before a webcam. A page in the user's own
- * browser finds the hand (camera_port.h), marotte reads its landmarks back to angles
- * (MRT_LANDMARKS), and this gives them as samples. README.md says how it is used. */
+/* camera.c - the plugin "org.marotte.camera": a bare hand in front of a webcam. A page in the
+ * user's browser finds the hand (camera_port.h), marotte converts its landmarks to angles
+ * (MRT_LANDMARKS), and this plugin returns them as samples. README.md is the user's guide. */
 #include "bare_hand.h"
 #include "camera_port.h"
 #include "device_io.h"
@@ -17,24 +17,25 @@
 #include <unistd.h>
 
 static const int64_t ns_per_ms = 1000000;
-/* A hand that was seen in two pictures has moved evenly between them: who takes few pictures a
- * second would else be a hand that goes and comes, which is eased and never arrives. */
+/* The movement between two pictures is interpolated evenly. Otherwise, at a few pictures per
+ * second, the hand would seem to disappear between pictures, and the face would ease all the time
+ * and never arrive. */
 static const int64_t between_ns = 100000000, slowest_ns = 1000000000;
 
 struct mrt_plugin {
     const mrt_host *host;
     camera_port *port; /* NULL: closed */
     uint16_t number;
-    camera_listener listener; /* joined while port is there */
+    camera_listener listener; /* joined while port is open */
     bare_hand hand;
-    bool is_steady; /* the picture before this one had the hand too */
-    /* From the sample given last to the newest reading: steps that are still to be given. */
+    bool is_steady; /* the previous picture also had the hand */
+    /* Interpolation from the last sample to the newest reading: steps still to return. */
     uint32_t step_count, step;
     int64_t from_ns, to_ns;
     float from[MRT_ANGLES];
 };
 
-/* ---- where things are ---- */
+/* ---- paths ---- */
 
 static const char token_file[] = "token";
 
@@ -67,8 +68,8 @@ static bool draw_token(char out[CAMERA_TOKEN + 1])
     return true;
 }
 
-/* The same for as long as the person's settings last, so that a page that is open finds marotte
- * again; nobody else can read it. */
+/* Reads or creates the token. It lasts as long as the user's settings, so that an open page finds
+ * marotte again. Nobody else can read it. */
 static bool find_token(const mrt_plugin *self, char out[CAMERA_TOKEN + 1])
 {
     const mrt_folders *folders = self->host->service(self->host, MRT_FOLDERS);
@@ -91,7 +92,7 @@ static bool find_token(const mrt_plugin *self, char out[CAMERA_TOKEN + 1])
     return true;
 }
 
-/* Where `marotte camera --setup` puts it. */
+/* Folder in which `marotte camera --setup` installs the package. */
 static void find_package(char *out, size_t capacity)
 {
     static const char rest[] = "marotte/camera/node_modules/@mediapipe/hands";
@@ -135,7 +136,7 @@ static void begin(mrt_plugin *self, const double *params)
     self->listener.hands_wanted = 1;
     self->is_steady = false;
     self->step_count = self->step = 0;
-    self->hand.reading.angle[19] = 0.12f; /* the palm's arch, which a camera hardly sees */
+    self->hand.reading.angle[19] = 0.12f; /* palm arch, which a camera hardly sees */
     camera_port_join(self->port, &self->listener);
 }
 
@@ -146,13 +147,13 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
     input_close(self);
     if (!read_address(address, &self->number)) {
         device_say(self->host, MRT_LOG_ERROR,
-                   "\"%.40s\" is no port: expected a number from 1 to 65535", address);
+                   "\"%.40s\" is not a port: expected a number from 1 to 65535", address);
         return MRT_ERR_ARGUMENT;
     }
     if (!bare_hand_can_be_read(&self->hand))
         return MRT_ERR_UNSUPPORTED;
     if (!find_token(self, token)) {
-        device_say(self->host, MRT_LOG_ERROR, "this system gives no random numbers");
+        device_say(self->host, MRT_LOG_ERROR, "cannot get random numbers from the system");
         return MRT_ERR_IO;
     }
     find_package(package, sizeof package);
@@ -167,9 +168,8 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
     char file[CAMERA_PATH + 16];
     (void)snprintf(file, sizeof file, "%s/hands.js", package);
     if (access(file, R_OK) != 0)
-        device_say(
-            self->host, MRT_LOG_WARNING,
-            "what finds hands in pictures is not here yet: run `marotte camera --setup` once");
+        device_say(self->host, MRT_LOG_WARNING,
+                   "the hand detector is not installed: run `marotte camera --setup` once");
     return MRT_OK;
 }
 
@@ -181,7 +181,7 @@ static const mrt_channel *input_channels(mrt_plugin *self, uint32_t *out_count)
 
 /* ---- reading ---- */
 
-/* Which of those that were seen is the one that performs; NULL: none. */
+/* Chooses the hand that performs; NULL: none. */
 static const camera_hand *choose(const bare_hand *shown, const camera_frame *seen)
 {
     const camera_hand *best = NULL;
@@ -198,8 +198,8 @@ static const camera_hand *choose(const bare_hand *shown, const camera_frame *see
     return best;
 }
 
-/* Whether it can be believed; then `reading` is that hand. Of BARE_HAND_EITHER the page's word for
- * the side counts less than how the hand bends. */
+/* Returns true if the hand is plausible, and sets `reading`. For BARE_HAND_EITHER the bend of the
+ * fingers decides the side rather than the page's value. */
 static bool read_hand(bare_hand *self, const camera_hand *hand, uint32_t *out_side)
 {
     mrt_hand_reading now = self->reading;
@@ -218,7 +218,8 @@ static bool read_hand(bare_hand *self, const camera_hand *hand, uint32_t *out_si
     return true;
 }
 
-/* False: nothing of this moves the face: it is held, and eased when the hand is back. */
+/* Returns false if the frame moves nothing. Then the pose is held, and the face eases back when the
+ * hand returns. */
 static bool take_seen(mrt_plugin *self, const camera_frame *seen)
 {
     float from[MRT_ANGLES];
@@ -246,7 +247,7 @@ static bool take_seen(mrt_plugin *self, const camera_frame *seen)
     return true;
 }
 
-/* The next step on the way to what was read last; the last one is that to the bit. */
+/* Returns the next interpolation step; the last one is exactly the newest reading. */
 static void give_step(mrt_plugin *self, mrt_sample *out)
 {
     const bool is_there = ++self->step == self->step_count;
@@ -295,13 +296,12 @@ static void fill_device(const mrt_plugin *self, mrt_device *out)
     (void)snprintf(out->name, sizeof out->name, "Webcam, for bare hands");
     find_package(package, sizeof package);
     (void)snprintf(file, sizeof file, "%s/hands.js", package);
-    /* Whoever opens all that is ready does not mean the camera. */
+    /* "Open all ready inputs" must not start the camera. */
     out->state = MRT_DEVICE_UNSURE;
-    (void)snprintf(
-        out->advice, sizeof out->advice, "%s",
-        access(file, R_OK) == 0
-            ? "a page in your browser sees the hand: its address is said when it is opened"
-            : "run `marotte camera --setup` once: it fetches what finds hands in pictures");
+    (void)snprintf(out->advice, sizeof out->advice, "%s",
+                   access(file, R_OK) == 0
+                       ? "a page in your browser sees the hand; open the input to get its address"
+                       : "run `marotte camera --setup` once: it downloads the hand detector");
 }
 
 static uint32_t list_devices(mrt_plugin *self, mrt_device *out, uint32_t capacity)
@@ -359,7 +359,7 @@ static const mrt_plugin_type type = {
     "org.marotte.camera",
     "Camera",
     MAROTTE_VERSION,
-    "A bare hand before a webcam, seen by a page in your own browser",
+    "A bare hand in front of a webcam, tracked by a page in your browser",
     create,
     destroy,
 };

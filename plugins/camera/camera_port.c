@@ -20,29 +20,29 @@
 
 enum { CONNECTIONS = 24, OUT_MAX = 2048, SEND_AT_ONCE = 256 * 1024, BACKLOG = 16 };
 static const int64_t ns_per_s = 1000000000;
-/* A request must be whole after this; what is sent must go on. */
+/* Time limits: for a complete request, and for progress in sending. */
 static const int64_t request_span_ns = 5000000000, stall_span_ns = 10000000000;
-/* A picture is not older than this when it is told of. */
+/* Largest plausible age of a picture on arrival. */
 static const int64_t past_most_ns = 2000000000;
 static const int64_t file_most = 64 << 20;
 
 typedef enum connection_state {
     FREE = 0,
-    ASKING,    /* the head of a request is coming */
-    ANSWERING, /* then it is closed */
+    ASKING,    /* receiving the head of a request */
+    ANSWERING, /* sending an answer, then closing */
     PAGE       /* the WebSocket */
 } connection_state;
 
 typedef struct connection {
     connection_state state;
-    int socket, file; /* file: -1, or what is sent after `out` */
-    int64_t until_ns; /* it must have got on by then; not for PAGE */
+    int socket, file; /* file to send after `out`; -1: none */
+    int64_t until_ns; /* deadline for progress; not for PAGE */
     unsigned char in[WEB_HEAD_MAX], out[OUT_MAX];
     size_t in_size, out_size, out_sent;
-    const unsigned char *body; /* after `out`, if there is no file */
+    const unsigned char *body; /* data to send after `out`, if there is no file */
     size_t body_size, body_sent;
     off_t file_sent, file_size;
-    bool is_ending; /* PAGE: closed when all is sent */
+    bool is_ending; /* PAGE: closed when everything is sent */
 } connection;
 
 struct camera_port {
@@ -52,14 +52,14 @@ struct camera_port {
     char token[CAMERA_TOKEN + 1], package[CAMERA_PATH];
     int listening;
     pthread_mutex_t mutex;
-    pthread_cond_t changed; /* something was heard, or nobody works any more */
-    bool is_working;        /* somebody waits in ppoll, without the mutex */
+    pthread_cond_t changed; /* a new frame, or no input handles the sockets any more */
+    bool is_working;        /* an input waits in ppoll, without the mutex */
     connection connection[CONNECTIONS];
-    int page;        /* which of them; -1: none */
-    clock_map clock; /* the page's to ours, by its pings */
+    int page;        /* index of the page's connection; -1: none */
+    clock_map clock; /* from the page's clock to ours, from its pings */
     int64_t last_ns;
     camera_listener *listeners;
-    trace trace; /* what the page sends, unmasked */
+    trace trace; /* messages of the page, unmasked */
 };
 
 static pthread_mutex_t ports_mutex = PTHREAD_MUTEX_INITIALIZER;
@@ -183,7 +183,7 @@ static void answer_file(camera_port *self, connection *c, const char *name, int6
 
 /* ---- the page's WebSocket ---- */
 
-/* False: it does not take what it is sent. */
+/* Returns false if the connection does not accept the data. */
 static bool send_frame(connection *c, int opcode, const void *payload, size_t size)
 {
     if (c->out_sent == c->out_size)
@@ -207,7 +207,7 @@ static bool send_state(camera_port *self, connection *c)
 
 static void send_all(camera_port *self, connection *c, int64_t now_ns);
 
-/* Of two pages the newer one counts. */
+/* Closes the page's connection: of two pages the newer one is used. */
 static void part_with_page(camera_port *self, int64_t now_ns)
 {
     static const char bye[] = "{\"type\":\"bye\"}";
@@ -244,7 +244,7 @@ static void begin_page(camera_port *self, connection *c, const web_request *requ
     self->page = (int)(c - self->connection);
     clock_map_reset(&self->clock);
     (void)send_state(self, c);
-    device_say(host, MRT_LOG_INFO, "the camera's page is there");
+    device_say(host, MRT_LOG_INFO, "the camera's page is connected");
 }
 
 static void hear(camera_port *self, const camera_message *message, int64_t now_ns)
@@ -259,7 +259,7 @@ static void hear(camera_port *self, const camera_message *message, int64_t now_n
     self->last_ns = frame.time_ns;
     memcpy(frame.hand, message->hand, sizeof frame.hand);
     for (camera_listener *l = self->listeners; l; l = l->next) {
-        if (l->count == CAMERA_QUEUE) { /* nobody reads it: the oldest goes */
+        if (l->count == CAMERA_QUEUE) { /* full: drop the oldest frame */
             l->first = (l->first + 1) % CAMERA_QUEUE;
             l->count -= 1;
             l->lost += 1;
@@ -268,7 +268,7 @@ static void hear(camera_port *self, const camera_message *message, int64_t now_n
     }
 }
 
-/* False: it is to be closed with this code. */
+/* Returns false if the connection must be closed with this code. */
 static bool take_frame(camera_port *self, connection *c, const web_frame *frame, int64_t now_ns,
                        int *out_code)
 {
@@ -280,7 +280,7 @@ static bool take_frame(camera_port *self, connection *c, const web_frame *frame,
         return true;
     if (frame->opcode == WEB_PING)
         return send_frame(c, WEB_PONG, frame->payload, frame->size);
-    if (frame->opcode == WEB_TEXT) /* hello, and asked again while the package is missing */
+    if (frame->opcode == WEB_TEXT) /* hello, repeated while the package is missing */
         return send_state(self, c);
     *out_code = 1003;
     trace_received(&self->trace, now_ns, frame->payload, frame->size);
@@ -303,9 +303,8 @@ static void end_page(camera_port *self, connection *c, int code, int64_t now_ns,
     if (self->page >= 0 && c == &self->connection[self->page]) {
         self->page = -1;
         device_say(host, code == 1000 ? MRT_LOG_INFO : MRT_LOG_WARNING,
-                   code == 1000
-                       ? "the camera's page has gone: the hand is held"
-                       : "the camera's page said something that makes no sense and was closed");
+                   code == 1000 ? "the camera's page is disconnected: the hand is held"
+                                : "the camera's page sent an invalid message and was disconnected");
     }
     c->is_ending = true;
     c->until_ns = now_ns + request_span_ns;
@@ -364,7 +363,7 @@ static void receive(camera_port *self, connection *c, int64_t now_ns, const mrt_
         return;
     if (size <= 0) {
         if (c->state == PAGE && self->page >= 0 && c == &self->connection[self->page])
-            device_say(host, MRT_LOG_INFO, "the camera's page has gone: the hand is held");
+            device_say(host, MRT_LOG_INFO, "the camera's page is disconnected: the hand is held");
         drop(self, c);
         return;
     }
@@ -374,7 +373,7 @@ static void receive(camera_port *self, connection *c, int64_t now_ns, const mrt_
     if (c->state == PAGE)
         take_from_page(self, c, now_ns, host);
     if (c->state == ANSWERING)
-        c->in_size = 0; /* one request a connection: the rest is nobody's */
+        c->in_size = 0; /* one request per connection: ignore the rest */
 }
 
 /* ---- bytes out ---- */
@@ -401,7 +400,7 @@ static void send_all(camera_port *self, connection *c, int64_t now_ns)
         ssize_t size = send_some(c);
         if (size < 0 && (errno == EAGAIN || errno == EINTR))
             return;
-        if (size <= 0) { /* gone, or the file has become shorter */
+        if (size <= 0) { /* connection lost, or the file has become shorter */
             drop(self, c);
             return;
         }
@@ -412,7 +411,7 @@ static void send_all(camera_port *self, connection *c, int64_t now_ns)
         if (c->state == ANSWERING)
             c->until_ns = now_ns + stall_span_ns;
         if (is_file && !is_head)
-            return; /* others in between */
+            return; /* lets other connections run in between */
     }
     if (c->state == ANSWERING || (c->state == PAGE && c->is_ending)) {
         (void)shutdown(c->socket, SHUT_WR);
@@ -420,7 +419,7 @@ static void send_all(camera_port *self, connection *c, int64_t now_ns)
     }
 }
 
-/* ---- who comes ---- */
+/* ---- accepting connections ---- */
 
 static connection *find_room(camera_port *self)
 {
@@ -483,7 +482,8 @@ static int gather(const camera_port *self, struct pollfd *out, int *out_of, int6
     return count;
 }
 
-/* With the mutex; without it while it waits. False: the port is of no use any more. */
+/* Handles the sockets. Called with the mutex, which is released while waiting. Returns false if the
+ * port failed. */
 static bool work(camera_port *self, int64_t deadline_ns, const mrt_host *host)
 {
     struct pollfd wanted[1 + CONNECTIONS];
@@ -500,7 +500,7 @@ static bool work(camera_port *self, int64_t deadline_ns, const mrt_host *host)
     self->is_working = false;
     for (int i = 1; ready > 0 && i < count; ++i) {
         connection *c = &self->connection[of[i]];
-        /* One may have made room for another meanwhile: then this is not it. */
+        /* While waiting, this slot may have been freed and reused for another connection. */
         if (c->state == FREE || c->socket != wanted[i].fd)
             continue;
         if (wanted[i].revents & (POLLIN | POLLHUP | POLLERR))
@@ -545,7 +545,7 @@ bool camera_port_pop(camera_port *port, camera_listener *listener, camera_frame 
     return found;
 }
 
-static void tell_page(camera_port *port)
+static void send_to_page(camera_port *port)
 {
     if (port->page >= 0)
         (void)send_state(port, &port->connection[port->page]);
@@ -557,7 +557,7 @@ void camera_port_join(camera_port *port, camera_listener *listener)
     listener->first = listener->count = listener->lost = 0;
     listener->next = port->listeners;
     port->listeners = listener;
-    tell_page(port);
+    send_to_page(port);
     pthread_mutex_unlock(&port->mutex);
 }
 
@@ -569,7 +569,7 @@ void camera_port_leave(camera_port *port, camera_listener *listener)
             *at = listener->next;
             break;
         }
-    tell_page(port);
+    send_to_page(port);
     pthread_mutex_unlock(&port->mutex);
 }
 
@@ -589,11 +589,11 @@ static int listen_at(uint16_t port, char *out_reason)
         return fd;
     if (errno == EADDRINUSE)
         (void)snprintf(out_reason, CAMERA_REASON,
-                       "port %u is another program's, or another marotte's: close that, or take "
-                       "another port, as in camera:%u",
+                       "port %u is in use by another program or another marotte: close it, or "
+                       "choose another port, as in camera:%u",
                        (unsigned)port, port < 65535 ? port + 1u : port - 1u);
     else
-        (void)snprintf(out_reason, CAMERA_REASON, "port %u of 127.0.0.1 cannot be had: %s",
+        (void)snprintf(out_reason, CAMERA_REASON, "cannot listen on port %u of 127.0.0.1: %s",
                        (unsigned)port, strerror(errno));
     if (fd >= 0)
         close(fd);
@@ -605,7 +605,7 @@ static camera_port *make_port(uint16_t number, const char *token, const char *pa
 {
     camera_port *self = calloc(1, sizeof *self);
     if (!self) {
-        (void)snprintf(out_reason, CAMERA_REASON, "no memory for port %u", (unsigned)number);
+        (void)snprintf(out_reason, CAMERA_REASON, "out of memory for port %u", (unsigned)number);
         return NULL;
     }
     self->number = number;

@@ -19,7 +19,7 @@ int camera_request_judge(const web_request *request, uint16_t port, const char *
         return 403;
     if (strlen(request->path) < 2 + CAMERA_TOKEN || request->path[1 + CAMERA_TOKEN] != '/')
         return 404;
-    unsigned char differs = 0; /* in a time that does not tell where */
+    unsigned char differs = 0; /* in a time that does not depend on the content */
     for (int i = 0; i < CAMERA_TOKEN; ++i)
         differs |= (unsigned char)request->path[1 + i] ^ (unsigned char)token[i];
     if (differs)
@@ -61,7 +61,7 @@ static bool take_time(camera_message *out, const unsigned char *at)
 {
     uint64_t bits = take(at, 8);
     memcpy(&out->time_ms, &bits, sizeof bits);
-    if (!(fabs(out->time_ms) <= time_most_ms)) /* also what is no number */
+    if (!(fabs(out->time_ms) <= time_most_ms)) /* also false for NaN */
         return false;
     out->time_ns = (int64_t)(out->time_ms * 1e6);
     return true;
@@ -74,8 +74,8 @@ static bool take_coordinate(float *out, const unsigned char *at, double scale)
     return fabs(value) <= furthest_m;
 }
 
-/* MediaPipe's x is to the right of the picture, y down, z away from the camera; of a picture that
- * is not mirrored the right is the subject's left. */
+/* MediaPipe's x is to the right of the picture, y down, z away from the camera. In a picture that
+ * is not mirrored, right is the subject's left. */
 static bool take_hand(camera_hand *out, const unsigned char *at)
 {
     *out = (camera_hand){.seen = {.side = at[0]}, .score = take_f32(at + 1)};

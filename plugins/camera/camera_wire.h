@@ -1,5 +1,5 @@
-/* plugins/camera/camera_wire.h - what a browser asks for and the messages of the page, taken apart.
- * Whoever sent them is not trusted. Pure functions; no allocation. Leaves out HTTP and WebSocket
+/* plugins/camera/camera_wire.h - checks of the browser's requests, and the parser of the page's
+ * messages. The sender is not trusted. Pure functions; no allocation. Leaves out HTTP and WebSocket
  * (web.h). */
 #ifndef MAROTTE_CAMERA_WIRE_H
 #define MAROTTE_CAMERA_WIRE_H
@@ -10,8 +10,8 @@
 enum { CAMERA_TOKEN = 32 /* letters: 128 bits in hexadecimal */ };
 #define CAMERA_PROTOCOL "marotte.camera.1"
 
-/* Which file it may have: 200 and its name, "" for the page, in the request; 101 for the WebSocket;
- * or 403, 404. The host and, where there is one, the origin must be ours to the letter. */
+/* Decides on a request. Returns 200 and the file's name, "" for the page; 101 for the WebSocket; or
+ * 403, 404. The host must be exactly ours, and so must the origin if present. */
 int camera_request_judge(const web_request *request, uint16_t port, const char *token,
                          const char **out_name);
 
@@ -26,7 +26,7 @@ enum { CAMERA_HANDS_MAX = 2 };
 enum { CAMERA_NOTHING = 0, CAMERA_SEEN = 1, CAMERA_ASKED = 2, CAMERA_ANSWER = 3 };
 
 typedef struct camera_hand {
-    mrt_landmarks seen; /* mm, in the face frame of whoever looks into the camera */
+    mrt_landmarks seen; /* mm, in the face frame of a person looking into the camera */
     float score;
 } camera_hand;
 
@@ -34,12 +34,12 @@ typedef struct camera_message {
     int kind;          /* CAMERA_SEEN, CAMERA_ASKED */
     uint32_t sequence; /* CAMERA_SEEN */
     int64_t time_ns;   /* of the page's clock */
-    double time_ms;    /* the same, as it was sent */
+    double time_ms;    /* the same, unchanged as received */
     uint32_t hand_count;
     camera_hand hand[CAMERA_HANDS_MAX];
 } camera_message;
 
-/* False: it is none of these, or has a number that cannot be. */
+/* Returns false for an unknown message or an impossible number. */
 bool camera_message_parse(camera_message *out, const void *bytes, size_t size);
 enum { CAMERA_ANSWER_SIZE = 17 };
 void camera_answer_write(unsigned char out[CAMERA_ANSWER_SIZE], double time_ms, int64_t time_ns);

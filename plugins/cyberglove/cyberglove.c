@@ -1,5 +1,5 @@
 /* cyberglove.c - the input plugin "org.marotte.cyberglove": a CyberGlove of 18 or 22 sensors, over
- * a serial port or the network. Raw values: what they mean is calibration's. */
+ * a serial port or the network. Returns raw values; the calibration converts them. */
 #include <marotte/plugin.h>
 
 #include "device_io.h"
@@ -25,7 +25,7 @@ enum {
 };
 
 enum { NAME_LENGTH = 32 };
-/* Words have 12 bits, bytes 8: in both "count" is the same. */
+/* Words have 12 bits, bytes 8. This scales both to the same "count". */
 static const float count_per_word = 1.0f / 16.0f;
 static const uint32_t bauds[] = {115200, 57600, 38400, 19200, 9600, 4800};
 static const int64_t lost_pause_ns = 100000000;
@@ -36,7 +36,7 @@ struct mrt_plugin {
     glove_memory memory;
     bool is_open, asked_to_restart, has_told_loss;
     double opened_with[PARAM_COUNT];
-    uint32_t sensor_count, channel_count; /* the switch, if it is one, comes last */
+    uint32_t sensor_count, channel_count; /* the switch, if it is a channel, is the last one */
     mrt_channel channel[MRT_MAX_CHANNELS];
     char name[MRT_MAX_CHANNELS][NAME_LENGTH];
     mrt_sample last;
@@ -88,7 +88,7 @@ static double within(double value, double low, double high)
     return value < high ? value : high;
 }
 
-/* A glove's period has two words: nothing slower than once a second. */
+/* The period of a glove has two words, so the slowest rate is once per second. */
 static double rate_of(double hz)
 {
     return hz > 0 ? within(hz, 1.0, 400.0) : 0.0;
@@ -107,39 +107,39 @@ static glove_settings settings_of(const double *params)
         .patience = within(params[PARAM_PATIENCE], 0.02, 1.0)};
 }
 
-static void say_limits(glove_drive *drive)
+static void report_limits(glove_drive *drive)
 {
     const glove_unit *unit = &drive->unit;
     const glove_settings *settings = &drive->settings;
     const char *name = drive->port.name;
     if (drive->port.latency_ms > 1)
-        glove_drive_tell(drive, GLOVE_TOLD_LATENCY, MRT_LOG_WARNING,
-                         "%.60s: its adapter holds bytes back for %u ms: run \"echo 1 | sudo tee "
-                         "%.100s\"",
-                         name, drive->port.latency_ms, drive->port.latency_file);
+        glove_drive_tell(
+            drive, GLOVE_TOLD_LATENCY, MRT_LOG_WARNING,
+            "%.60s: the serial adapter delays bytes by %u ms: run \"echo 1 | sudo tee %.100s\"",
+            name, drive->port.latency_ms, drive->port.latency_file);
     if (unit->refused[0])
         glove_drive_tell(drive, GLOVE_TOLD_REFUSED, MRT_LOG_INFO,
-                         "%.60s: this glove does not know the orders %s: does without (D time "
-                         "stamps, U switch, T rate, F filter)",
+                         "%.60s: this glove does not support the commands %s: continues without "
+                         "them (D time stamps, U switch, T rate, F filter)",
                          name, unit->refused);
     if (unit->readiness != 3)
         glove_drive_tell(drive,
                          unit->readiness & 2 ? GLOVE_TOLD_READINESS
                                              : GLOVE_TOLD_READINESS | GLOVE_TOLD_UNPLUGGED,
-                         MRT_LOG_WARNING, "%.60s: the box says that its glove is %s", name,
+                         MRT_LOG_WARNING, "%.60s: the box reports that its glove is %s", name,
                          unit->readiness & 2 ? "not ready" : "not plugged in");
     if (!unit->reported_hand && settings->hand == GLOVE_HAND_AUTO)
         glove_drive_tell(drive, GLOVE_TOLD_HAND, MRT_LOG_WARNING,
-                         "%.60s: the glove does not say which hand it is for: taken as a right one "
-                         "(hand=left)",
+                         "%.60s: the glove does not report its hand: a right hand is assumed. For "
+                         "a left one set hand=left",
                          name);
     if (unit->asked_hz > 0 && unit->asked_hz < settings->rate_hz - 0.5)
         glove_drive_tell(drive, GLOVE_TOLD_LINE, MRT_LOG_WARNING,
-                         "%.60s: at %u baud it can send %.0f records a second, not %.0f", name,
-                         settings->baud, unit->asked_hz, settings->rate_hz);
+                         "%.60s: at %u baud it can send only %.0f records per second, not %.0f",
+                         name, settings->baud, unit->asked_hz, settings->rate_hz);
 }
 
-static void say_what_it_is(glove_drive *drive)
+static void report_model(glove_drive *drive)
 {
     const glove_unit *unit = &drive->unit;
     char rate[40] = "its own rate";
@@ -147,9 +147,9 @@ static void say_what_it_is(glove_drive *drive)
         snprintf(rate, sizeof rate, "%.1f Hz", 1e9 / (double)unit->period_ns);
     glove_drive_tell(drive, 0, MRT_LOG_INFO, "%.60s: CyberGlove, %s hand, %u sensors, %s%s, %s",
                      drive->port.name, unit->hand == MRT_LEFT ? "left" : "right",
-                     unit->sensors.count, rate, unit->is_polled ? " (asked for each)" : "",
-                     unit->layout.has_time ? "its own time stamps" : "times by arrival");
-    say_limits(drive);
+                     unit->sensors.count, rate, unit->is_polled ? " (polled)" : "",
+                     unit->layout.has_time ? "its own time stamps" : "times of arrival");
+    report_limits(drive);
 }
 
 static void glove_close(mrt_plugin *self)
@@ -181,7 +181,7 @@ static mrt_result plugin_open(mrt_plugin *self, const char *address, const doubl
     self->has_told_loss = false;
     self->has_last = false;
     describe_channels(self);
-    say_what_it_is(&self->drive);
+    report_model(&self->drive);
     return MRT_OK;
 }
 
@@ -203,7 +203,7 @@ static void fill_sample(mrt_plugin *self, const glove_record *record, int64_t ti
     self->has_last = true;
 }
 
-/* A switch that was down must not stay down because its glove is gone. */
+/* Releases the switch, so that it does not stay down after the glove is lost. */
 static bool release_switch(mrt_plugin *self, mrt_sample *out)
 {
     if (!self->has_last || self->channel_count == self->sensor_count ||
@@ -217,8 +217,8 @@ static bool release_switch(mrt_plugin *self, mrt_sample *out)
     return true;
 }
 
-/* Said with the error, which may come one read after the loss. A host that goes on reading from a
- * glove that is gone is not to spin. */
+/* Returns an error while the glove is lost. The error may come one read after the loss. Waits, so
+ * that a host that keeps reading does not spin. */
 static mrt_result stay_lost(mrt_plugin *self, int64_t deadline_ns)
 {
     if (!self->has_told_loss) {
@@ -271,11 +271,11 @@ static void describe_device(const glove_found *port, mrt_device *out)
         glove_find_advice(port->path, out->advice, sizeof out->advice);
     } else if (glove_find_holder(port->path, holder, sizeof holder)) {
         out->state = MRT_DEVICE_BUSY;
-        snprintf(out->advice, sizeof out->advice, "%s is in use by %s: close that first",
+        snprintf(out->advice, sizeof out->advice, "%s is in use by %s: close that program first",
                  port->path, holder);
     } else {
         snprintf(out->advice, sizeof out->advice,
-                 "a glove may be at %s: only asking it tells, with cyberglove:%s", port->path,
+                 "a glove may be connected to %s: to test it, open cyberglove:%s", port->path,
                  out->address);
     }
 }
@@ -340,26 +340,28 @@ static const char *const filter_label[] = {"as it is", "off", "on", NULL};
 
 static const mrt_param params[PARAM_COUNT] = {
     [PARAM_BAUD] = {1, MRT_PARAM_STEPPED, "baud", "Line", "",
-                    "The line's speed: old boxes are often set to 38400", 0, 5, 0, baud_label},
+                    "Speed of the serial line; old boxes are often set to 38400", 0, 5, 0,
+                    baud_label},
     [PARAM_RATE] = {2, 0, "rate", "Glove", "Hz",
-                    "How often the glove measures, 1 and more; 0 is its own rate", 0, 400, 150,
+                    "Measurements per second, at least 1; 0: the glove's own rate", 0, 400, 150,
                     NULL},
     [PARAM_MODE] = {3, MRT_PARAM_STEPPED, "mode", "Glove", "",
-                    "Whether it streams or is asked for each record", 0, 2, 0, mode_label},
+                    "Whether the glove streams records or is polled for each", 0, 2, 0, mode_label},
     [PARAM_STREAM] = {4, MRT_PARAM_STEPPED, "stream", "Glove", "",
-                      "Which records: 16 bit is the CyberGlove III's own stream", 0, 1, 0,
+                      "Format of the records; 16 bit is the CyberGlove III's own stream", 0, 1, 0,
                       stream_label},
     [PARAM_STAMPS] = {5, MRT_PARAM_STEPPED, "time stamps", "Glove", "",
-                      "Whether times come from the glove's clock", 0, 2, 0, stamps_label},
-    [PARAM_HAND] = {6, MRT_PARAM_STEPPED, "hand", "Glove", "",
-                    "Which glove to look for, or whose a named one is; auto: as it says", 0, 2, 0,
-                    hand_label},
+                      "Use the times of the glove's clock", 0, 2, 0, stamps_label},
+    [PARAM_HAND] =
+        {6, MRT_PARAM_STEPPED, "hand", "Glove", "",
+         "Hand of the glove to look for, or of the named glove; auto: as the glove reports", 0, 2,
+         0, hand_label},
     [PARAM_SWITCH] = {7, MRT_PARAM_STEPPED, "switch", "Glove", "",
-                      "Which pedal the switch at the wrist is", 0, 4, 0, switch_label},
+                      "Pedal number of the switch at the wrist", 0, 4, 0, switch_label},
     [PARAM_FILTER] = {8, MRT_PARAM_STEPPED, "filter", "Glove", "",
                       "The glove's own low-pass filter", 0, 2, 0, filter_label},
-    [PARAM_PATIENCE] = {9, MRT_PARAM_HIDDEN, "patience", "Line", "times",
-                        "All limits of waiting, times this", 0.02, 1, 1, NULL},
+    [PARAM_PATIENCE] = {9, MRT_PARAM_HIDDEN, "patience", "Line", "times", "Factor for all timeouts",
+                        0.02, 1, 1, NULL},
 };
 
 static const mrt_input input = {plugin_open, glove_channels, glove_read, glove_close, 0};

@@ -2,12 +2,13 @@
 
 /* ---- the rate ---- */
 
-/* A line through less is worse than arrivals, a line through more follows a drifting clock too
- * slowly. */
+/* Time spans of the line. A shorter one is less precise than the arrivals; a longer one follows a
+ * drifting clock too slowly. */
 static const int64_t least_ns = 60000000, enough_ns = 2000000000, silence_ns = 4000000000;
 enum { LEAST_RECORDS = 4, ENOUGH_RECORDS = 16 };
 
-/* Whether the last corner lies on or above the line from the one before it to the new one. */
+/* Returns true if the last corner is on or above the line from the previous corner to the new
+ * one. */
 static bool is_above(const glove_rate *self, double index, double ns)
 {
     uint32_t last = self->corner_count - 1;
@@ -43,7 +44,7 @@ bool glove_rate_add(glove_rate *self, uint32_t lost, int64_t arrival_ns, double 
     add_corner(self, index, ns);
     if (self->count < LEAST_RECORDS || arrival_ns - self->first_ns < least_ns)
         return false;
-    /* Of all lines under the arrivals the one over the middle has the least lateness in all. */
+    /* Of all lines below the arrivals, the one over the middle has the smallest total lateness. */
     uint32_t to = 1;
     while (to + 1 < self->corner_count && self->corner[to].index < index / 2)
         to += 1;
@@ -67,11 +68,12 @@ static const int64_t check_ns = 1000000000;
 static const double window_ns = 128e6;
 static const double gap_ns = 1e9;
 static const double period_least_ns = 1e6, period_most_ns = 3e9;
-/* A stamp that leaps so much ahead of all before it is an error of the line, unless it stays so. */
+/* A stamp that is ahead of all earlier ones by more than this is a transmission error, unless later
+ * stamps confirm it. */
 static const int64_t ahead_ns = 3000000;
 enum { ODD_MAX = 3, MISFIT_MAX = 2 };
-/* Windows that the loop remembers: it begins as if it had seen some where the rate was told, and
- * all where it was learnt. */
+/* Memory of the loop, in windows: the initial value if the rate was set; the maximum, which is also
+ * the initial value if the rate was measured. */
 enum { MEMORY_TOLD = 4, MEMORY_MOST = 8 };
 
 void glove_clock_init(glove_clock *self, glove_timing timing, int64_t period_ns)
@@ -109,7 +111,7 @@ static void pace_turn_window(glove_pace *pace, int64_t arrival_ns)
 {
     if ((double)(arrival_ns - pace->window_start_ns) < window_ns || pace->window_count < 4)
         return;
-    /* The gains with which the loop is a straight line fitted to that many windows. */
+    /* Gains that make the loop equal to a straight line fitted to `memory` windows. */
     double k = pace->memory;
     double phase_gain = 2 * (2 * k + 1) / ((k + 1) * (k + 2));
     double period_gain = 6 / ((k + 1) * (k + 2));
@@ -124,8 +126,8 @@ static void pace_turn_window(glove_pace *pace, int64_t arrival_ns)
     pace->early_ns = 0;
 }
 
-/* A rate that nobody told: by the line under the first arrivals, and once it is good by the loop.
- */
+/* Times for an unknown rate: from the line below the first arrivals, then from the loop once the
+ * line is accurate. */
 static int64_t pace_learn(glove_pace *pace, uint32_t lost, int64_t arrival_ns)
 {
     double period_ns, due_ns;
@@ -176,8 +178,9 @@ static int64_t ns_of_ticks(int64_t ticks)
            ticks % tick_denominator * tick_numerator_ns / tick_denominator;
 }
 
-/* Every second: whether the glove's clock went as far as the host's, half as far at worst: arrivals
- * may be late. A doubt is judged by two seconds, lest a machine that stalls is taken for it. */
+/* Compares the glove's clock with the host's every second. The glove's must have advanced at least
+ * half as far, because arrivals may be late. A doubt is checked over two seconds, so that a
+ * computer that stalls is not mistaken for it. */
 static void check_stamps(glove_clock *self, int64_t arrival_ns)
 {
     bool is_in_doubt = self->misfit_count > 0 && !self->distrusts_stamps;
@@ -194,8 +197,8 @@ static void check_stamps(glove_clock *self, int64_t arrival_ns)
     self->check_ns = arrival_ns;
 }
 
-/* A damaged stamp runs backwards, or it leaps further than the records did and lands where the
- * glove's clock cannot be yet: alone, that would mislead the map for seconds. */
+/* Detects a damaged stamp. It runs backwards, or is further ahead than the records allow, at a time
+ * that the glove's clock cannot have reached. One such stamp would mislead the map for seconds. */
 static bool is_odd(const glove_clock *self, int32_t step_ticks, uint32_t lost, int64_t arrival_ns)
 {
     if (step_ticks <= 0)
@@ -216,7 +219,7 @@ static void stamps_start(glove_clock *self, uint32_t ticks, int64_t arrival_ns)
     self->check_ns = arrival_ns;
 }
 
-/* by_rate_ns: where a stamp is damaged, or as long as it may be. */
+/* by_rate_ns: used if the stamp is damaged or may be. */
 static int64_t stamp_time(glove_clock *self, const glove_record *record, int64_t by_rate_ns,
                           int64_t arrival_ns)
 {

@@ -8,10 +8,12 @@
 
 static const int64_t NS_PER_MS = 1000000, NS_PER_S = 1000000000;
 static const int64_t quiet_ms = 1000, stop_pause_ms = 50, poll_again_ms = 250;
-static const int64_t silence_ms = 25, silence_limit_ms = 100; /* a USB adapter may wait for 16 ms */
-/* Records that waited for us to begin are old: at most so many bytes of them are thrown away. */
+static const int64_t silence_ms = 25,
+                     silence_limit_ms = 100; /* a USB adapter may hold bytes for 16 ms */
+/* Records that arrived before reading began are old: at most this many bytes of them are
+ * discarded. */
 static const size_t stale_limit = 65536;
-/* A started record is waited for without looking for most of the time that its bytes take. */
+/* For most of the transfer time of a started record, the port is not polled. */
 static const int64_t nap_least_ns = 300000;
 
 static int64_t scaled_ns(const glove_drive *self, int64_t limit_ms)
@@ -53,8 +55,9 @@ static void begin(glove_drive *self)
     self->good_ns = device_clock_ns();
 }
 
-/* The port's old settings may echo: what is still coming would go back to the glove as orders. */
-static void let_fall_silent(glove_drive *self)
+/* Discards pending bytes. With the port's old settings the system may echo them to the glove as
+ * commands. */
+static void discard_pending(glove_drive *self)
 {
     unsigned char ignored[256];
     int64_t now_ns = device_clock_ns();
@@ -71,7 +74,7 @@ void glove_drive_end(glove_drive *self)
         return;
     if (glove_port_write(&self->port, &stop, 1)) {
         glove_port_drain(&self->port);
-        let_fall_silent(self);
+        discard_pending(self);
     }
     glove_port_close(&self->port);
 }
@@ -81,10 +84,10 @@ bool glove_drive_switch(const glove_drive *self)
     return (self->status & GLOVE_STATUS_SWITCH) != 0;
 }
 
-/* ---- what a record says ---- */
+/* ---- checking a record ---- */
 
-/* A status in which only what people switch has changed is believed at once, another when it comes
- * twice: one damaged byte must not press a pedal. */
+/* Updates the status. A change of switch or light only is accepted immediately. Any other change
+ * must come twice, because one damaged byte must not press a pedal. */
 static void believe_status(glove_drive *self, uint8_t status)
 {
     uint8_t changed = status ^ self->status;
@@ -96,28 +99,28 @@ static void believe_status(glove_drive *self, uint8_t status)
     self->doubtful_status = status;
 }
 
-static void say_complaints(glove_drive *self, const glove_record *record)
+static void report_warnings(glove_drive *self, const glove_record *record)
 {
     if (record->is_too_fast)
         glove_drive_tell(self, GLOVE_TOLD_TOO_FAST, MRT_LOG_WARNING,
-                         "%.60s: the glove cannot measure so often: lower its rate",
-                         self->port.name);
+                         "%.60s: the glove cannot measure at this rate: lower it", self->port.name);
     bool is_out = self->status && !(self->status & GLOVE_STATUS_IN);
     if (record->is_unplugged || is_out)
         glove_drive_tell(self, GLOVE_TOLD_UNPLUGGED, MRT_LOG_WARNING,
                          "%.60s: the glove is not plugged into its box", self->port.name);
     if (self->clock.distrusts_stamps)
         glove_drive_tell(self, GLOVE_TOLD_STAMPS, MRT_LOG_WARNING,
-                         "%.60s: the glove's time stamps do not go with time: its rate is used",
+                         "%.60s: the glove's time stamps do not match the computer's clock: its "
+                         "rate is used instead",
                          self->port.name);
 }
 
-/* False: a record that is only counted. One complaint is a loose contact and its record is given;
- * after several in a row there is no hand in what is measured. */
+/* Returns false for a record that is only counted. One "not plugged in" flag is a loose contact,
+ * and its record is used. After several in a row the values are not of a hand. */
 static bool accept(glove_drive *self, glove_record *record, int64_t *out_time_ns)
 {
     believe_status(self, record->status);
-    say_complaints(self, record);
+    report_warnings(self, record);
     self->has_asked = false;
     self->unplugged = record->is_unplugged ? self->unplugged + 1 : 0;
     if (self->unplugged > 1) {
@@ -143,7 +146,7 @@ static bool next_record(glove_drive *self, glove_record *out, int64_t *out_time_
 
 /* ---- bytes ---- */
 
-/* As glove_port_read, into the parser. */
+/* Like glove_port_read, but into the parser. */
 static int take_bytes(glove_drive *self, int64_t until_ns)
 {
     unsigned char bytes[GLOVE_PARSE_BYTES];
@@ -158,7 +161,8 @@ static int take_bytes(glove_drive *self, int64_t until_ns)
     return got;
 }
 
-/* What piled up between open() and the first read() was measured then, not now. */
+/* Discards bytes that arrived between open() and the first read(), because they were measured
+ * then. */
 static void skip_stale(glove_drive *self)
 {
     glove_record ignored;
@@ -201,8 +205,8 @@ static const char *reason_of_silence(const glove_drive *self)
     if (self->unplugged > 1)
         return "the glove is not plugged into its box";
     if (self->bytes_since_good == 0)
-        return "the glove has fallen silent: is it switched off, or out of reach?";
-    return "what the glove sends makes no sense any more: is the cable loose?";
+        return "the glove stopped sending: is it switched off or out of range?";
+    return "the glove sends invalid data: is the cable loose?";
 }
 
 static int64_t quiet_limit_ns(const glove_drive *self)
@@ -212,18 +216,18 @@ static int64_t quiet_limit_ns(const glove_drive *self)
     return periods_ns > limit_ns ? periods_ns : limit_ns;
 }
 
-/* Ctrl-C now, and once it has had its effect (resume_ns) the order to send again. */
+/* Sends Ctrl-C now, and the start command after it has taken effect (resume_ns). */
 static mrt_result restart(glove_drive *self, int64_t now_ns)
 {
     const char stop = GLOVE_CTRL_C;
-    trace_note(&self->trace, now_ns, "no records: asked to start again");
+    trace_note(&self->trace, now_ns, "no records: start command sent again");
     self->has_restarted = true;
     self->restarted_ns = now_ns;
     self->resume_ns = now_ns + scaled_ns(self, stop_pause_ms);
-    return glove_port_write(&self->port, &stop, 1) ? MRT_OK : lose(self, "the port is gone");
+    return glove_port_write(&self->port, &stop, 1) ? MRT_OK : lose(self, "the port was closed");
 }
 
-/* What makes no sense was records as well. */
+/* Counts unreadable bytes as lost records. */
 static void count_garbage(glove_drive *self)
 {
     size_t size = glove_layout_size(&self->unit.layout);
@@ -239,7 +243,7 @@ static mrt_result resume(glove_drive *self)
     glove_clock_restart(&self->clock);
     self->has_asked = false;
     if (!self->unit.is_polled && !glove_start_sending(&self->port, &self->unit))
-        return lose(self, "the port is gone");
+        return lose(self, "the port was closed");
     return MRT_OK;
 }
 
@@ -262,7 +266,7 @@ static int64_t next_check_ns(const glove_drive *self)
     return (self->has_restarted ? self->restarted_ns : self->good_ns) + quiet_limit_ns(self);
 }
 
-/* ---- asking for each record ---- */
+/* ---- polling ---- */
 
 static int64_t next_ask_ns(const glove_drive *self)
 {
@@ -274,17 +278,18 @@ static mrt_result ask(glove_drive *self, int64_t now_ns)
 {
     if (!self->unit.is_polled || self->resume_ns > 0 || now_ns < next_ask_ns(self))
         return MRT_OK;
-    /* Keeps the rhythm, unless it was lost. */
+    /* Keeps the polling interval, unless it was missed. */
     int64_t due_ns = next_ask_ns(self);
     bool is_late = self->has_asked || now_ns - due_ns > self->unit.period_ns;
     self->asked_ns = is_late ? now_ns : due_ns;
     self->has_asked = true;
-    return glove_start_sending(&self->port, &self->unit) ? MRT_OK : lose(self, "the port is gone");
+    return glove_start_sending(&self->port, &self->unit) ? MRT_OK
+                                                         : lose(self, "the port was closed");
 }
 
 /* ---- reading ---- */
 
-/* The deadline in the time of the port. */
+/* Converts the deadline to the port's clock. */
 static int64_t port_deadline_ns(const glove_drive *self, int64_t deadline_ns)
 {
     int64_t now_ns = self->host->now_ns(self->host);
@@ -333,7 +338,7 @@ mrt_result glove_drive_read(glove_drive *self, int64_t deadline_ns, glove_record
 
 static const int64_t connect_limit_ms = 2000;
 
-/* The adapter's port at which a glove is looked for, and how. */
+/* Parameters of one attempt to open a glove. */
 typedef struct attempt {
     glove_drive *drive;
     const char *root;
@@ -387,8 +392,7 @@ static mrt_result open_usb(const attempt *by, const char *usb_path, glove_memory
 {
     if (!glove_find_usb(by->root, usb_path, &memory->port))
         return glove_why_set(by->why, MRT_ERR_IO,
-                             "nothing is plugged in at USB port %.60s: plug the glove in there",
-                             usb_path);
+                             "USB port %.60s is empty: plug the glove in there", usb_path);
     return open_path(by, memory->port.path);
 }
 
@@ -400,7 +404,7 @@ static void add_reason(glove_why *all, const char *reason)
     snprintf(all->text + used, sizeof all->text - used, "%s%.300s", used ? "; " : "", reason);
 }
 
-/* False: the port is not to be disturbed, and why. */
+/* Returns false, with the reason, if the port must not be used. */
 static bool may_ask(const char *path, glove_why *why)
 {
     char text[384];
@@ -423,7 +427,8 @@ static bool is_wanted_hand(const glove_drive *drive)
     return settings == GLOVE_HAND_AUTO || (settings == GLOVE_HAND_LEFT) == is_left;
 }
 
-/* Among several, the side that the glove itself reports decides, not the requested one. */
+/* Checks the side. With several gloves, the side that the glove reports counts, not the requested
+ * one. */
 static mrt_result open_found(const attempt *by, const glove_found *port)
 {
     int settings = by->drive->settings.hand;
@@ -433,10 +438,10 @@ static mrt_result open_found(const attempt *by, const glove_found *port)
     if (result < 0 || is_wanted_hand(by->drive))
         return result;
     glove_drive_end(by->drive);
-    return glove_why_set(by->why, MRT_ERR_UNSUPPORTED,
-                         "%s: its glove says that it is for the other hand: to use it all the "
-                         "same, name it, as in serial:%s",
-                         port->path, port->path);
+    return glove_why_set(
+        by->why, MRT_ERR_UNSUPPORTED,
+        "%s: this glove is for the other hand. To use it anyway, name it, as in serial:%s",
+        port->path, port->path);
 }
 
 static mrt_result open_first(attempt *by, glove_memory *memory)
@@ -454,9 +459,9 @@ static mrt_result open_first(attempt *by, glove_memory *memory)
     }
     if (count == 0)
         return glove_why_set(by->why, MRT_ERR_IO,
-                             "no USB serial port is plugged in: connect the glove, or name its "
-                             "port, as in serial:/dev/ttyS0 or tcp:192.168.1.5:3000");
-    return glove_why_set(by->why, MRT_ERR_IO, "no CyberGlove was found: %s", reasons.text);
+                             "no USB serial port found: connect the glove, or name its port, as in "
+                             "serial:/dev/ttyS0 or tcp:192.168.1.5:3000");
+    return glove_why_set(by->why, MRT_ERR_IO, "no CyberGlove found: %s", reasons.text);
 }
 
 static mrt_result open_again(const attempt *by, glove_memory *memory)
@@ -468,7 +473,7 @@ static mrt_result open_again(const attempt *by, glove_memory *memory)
 
 /* ---- addresses ---- */
 
-/* A port that the person named; one that was there and is gone may be back under another name. */
+/* Opens a port named by the user. A glove that was lost may have another port name now. */
 static mrt_result open_named(const attempt *by, const char *path, bool is_again,
                              glove_memory *memory)
 {
@@ -508,7 +513,7 @@ static mrt_result open_address(attempt *by, const char *address, bool is_again,
     if (path[0] == '/')
         return open_named(by, path, is_again, memory);
     return glove_why_set(by->why, MRT_ERR_ARGUMENT,
-                         "\"%.80s\" is no address of a glove: expected serial:/dev/ttyUSB0, "
+                         "\"%.80s\" is not the address of a glove: expected serial:/dev/ttyUSB0, "
                          "usb:1-1.4:1.0/0, tcp:192.168.1.5:3000, or nothing to look for one",
                          address);
 }

@@ -22,7 +22,7 @@ static void read_line(const char *folder, const char *name, char *out, size_t ca
     device_read_line(path, out, capacity);
 }
 
-/* Cuts `path` after its component that names a USB interface: "1-1.4:1.0". */
+/* Cuts `path` after the component of a USB interface: "1-1.4:1.0". */
 static bool cut_at_interface(char *path, const char **out_name)
 {
     for (char *slash = strrchr(path, '/'); slash; slash = strrchr(path, '/')) {
@@ -51,7 +51,7 @@ static uint32_t likeliness_of(const char *device, const char *product)
     return 0;
 }
 
-/* Where it is plugged in and what that calls itself, by /sys/class/tty/NAME/device. */
+/* Reads the USB port and the product name from /sys/class/tty/NAME/device. */
 static void describe(const char *root, const char *name, glove_found *out)
 {
     char folder[PATH_CAPACITY], real[PATH_CAPACITY], number[16];
@@ -64,12 +64,13 @@ static void describe(const char *root, const char *name, glove_found *out)
     snprintf(out->usb_path, sizeof out->usb_path, "%.40s%s%.8s", interface, number[0] ? "/" : "",
              number);
     char *slash = strrchr(real, '/');
-    *slash = '\0'; /* the device that has the interface */
+    *slash = '\0'; /* the device of the interface */
     read_line(real, "product", out->product, sizeof out->product);
     out->likeliness = likeliness_of(real, out->product);
 }
 
-/* Of several links the first in the order of names; one too long for an address is none. */
+/* Chooses the first of several links in alphabetical order, without those that are too long for an
+ * address. */
 static void take_better_link(const char *path, glove_found *out)
 {
     size_t length = strlen(path);
@@ -169,11 +170,12 @@ void glove_find_real(const char *path, char *out, size_t capacity)
     free(real);
 }
 
-/* What keeps a port from being used: who has it open, and whose it is. */
+/* Reasons why a port cannot be used: the process that has it open, and its owner. */
 
 enum { GROUP_TEXT = 2048 };
 
-/* Whether one of the process's descriptors, but `own` (-1: none is excepted), is this file. */
+/* Returns true if one of the process's descriptors refers to this file. `own`: a descriptor to
+ * ignore; -1: none. */
 static bool has_open(const char *process, const char *real, int own)
 {
     char folder[64], target[PATH_CAPACITY];
@@ -205,7 +207,8 @@ static void name_process(const char *process, char *out, size_t capacity)
     snprintf(out, capacity, "%s (process %.20s)", name[0] ? name : "a program", process);
 }
 
-/* What made a pseudo terminal holds both its ends; who uses it is another. */
+/* The creator of a pseudo terminal has both its ends open, so it does not count as the user of the
+ * port. */
 static bool may_have_made(const char *process, const char *real)
 {
     return strncmp(real, "/dev/pts/", 9) == 0 &&
@@ -263,6 +266,6 @@ void glove_find_advice(const char *path, char *out, size_t capacity)
                  group->gr_name, group->gr_name);
     else
         snprintf(out, capacity,
-                 "only its owner may open it: run \"sudo chmod a+rw %.96s\", or add a udev rule",
+                 "only its owner can open it: run \"sudo chmod a+rw %.96s\", or add a udev rule",
                  path);
 }

@@ -11,7 +11,7 @@ enum {
     COMPLAINT_BYTES = 2,
     WORDS_HEAD = 14,  /* "HH:MM:SS:ff:nS" */
     WORDS_TAIL = 3,   /* CR LF NUL */
-    WORDS_PREFIX = 3, /* "nS" now and then, before the time */
+    WORDS_PREFIX = 3, /* an occasional "nS" before the time */
     GUESS_RECORDS = 4
 };
 
@@ -78,7 +78,7 @@ static void drop_garbage(glove_parse *self, size_t size)
     drop(self, size);
 }
 
-/* How many records the garbage was, for a loss that is counted in records. */
+/* Converts garbage bytes to a number of lost records. */
 static uint32_t take_lost(glove_parse *self, size_t harmless)
 {
     size_t size = glove_layout_size(&self->layout);
@@ -96,8 +96,8 @@ static uint32_t take_lost(glove_parse *self, size_t harmless)
 
 /* ---- records of bytes ---- */
 
-/* A record begins after a NUL. After bytes that lack one, it begins where whole records would have
- * ended, or a byte beside that: so a damaged or missing NUL does not cost the record after it. */
+/* A record begins after a NUL. After bytes without one, it begins where complete records would have
+ * ended, or one byte before or after. So a damaged or missing NUL does not cost the next record. */
 static bool may_start(const glove_parse *self, size_t start)
 {
     size_t since = self->torn + start;
@@ -113,7 +113,7 @@ static bool are_complaints(const unsigned char *bytes, size_t size)
     return true;
 }
 
-/* Whether `size` bytes are a record: head, nothing 0 but the end and perhaps the flags. */
+/* Returns true if `size` bytes are a record: head, no 0 except the end and perhaps the flags. */
 static bool is_record(const glove_layout *layout, const unsigned char *bytes, size_t size,
                       bool flags_may_be_0)
 {
@@ -127,7 +127,7 @@ static bool is_record(const glove_layout *layout, const unsigned char *bytes, si
     return are_complaints(bytes + plain - 1, size - plain);
 }
 
-/* Records that end at the NUL. */
+/* Finds a record that ends at the NUL. */
 static finding find_ending_at(const glove_parse *self, size_t zero, span *out)
 {
     size_t plain = glove_layout_size(&self->layout);
@@ -143,8 +143,8 @@ static finding find_ending_at(const glove_parse *self, size_t zero, span *out)
     return NOTHING;
 }
 
-/* The record of which the NUL is the flags byte of the time stamp: it counts if all else fits, and
- * if this glove does not mark its flags. */
+/* Finds a record in which this NUL is the flags byte of the time stamp. It counts if everything
+ * else matches, and if this glove does not mark its flags. */
 static finding find_flags_at(const glove_parse *self, size_t zero, span *out)
 {
     size_t flags = 1 + self->layout.sensor_count;
@@ -199,7 +199,7 @@ static void read_bytes(glove_parse *self, const unsigned char *bytes, size_t siz
     }
 }
 
-/* Long garbage without a NUL: keeps what the next record may need. */
+/* Discards long garbage without a NUL, except the bytes that the next record may need. */
 static void tear(glove_parse *self)
 {
     size_t kept = 2 * glove_layout_size(&self->layout) + COMPLAINTS_MAX * COMPLAINT_BYTES;
@@ -248,7 +248,7 @@ static bool is_digit(unsigned char byte)
     return byte >= '0' && byte <= '9';
 }
 
-/* Whether the first `count` bytes can be the beginning of "HH:MM:SS:ff:nS". */
+/* Returns true if the first `count` bytes can be the beginning of "HH:MM:SS:ff:nS". */
 static bool begins_words(const unsigned char *bytes, size_t count)
 {
     for (size_t i = 0; i < count && i < WORDS_HEAD; ++i) {
@@ -302,9 +302,10 @@ bool glove_parse_next(glove_parse *self, glove_record *out)
     return self->layout.form == GLOVE_WORDS ? next_words(self, out) : next_bytes(self, out);
 }
 
-/* ---- another layout than was said ---- */
+/* ---- guessing another layout ---- */
 
-/* The size of the last four records, if they are of one size and begin with the head; else 0. */
+/* Returns the size of the last four records if they have one size and begin with the head; else
+ * 0. */
 static size_t repeated_size(const unsigned char *bytes, size_t count, unsigned char head)
 {
     size_t size = 0;
@@ -351,7 +352,7 @@ static bool is_small_text(unsigned char byte)
     return byte == ' ' || byte == '\r' || byte == '\n' || (byte >= '0' && byte <= '9');
 }
 
-/* Whether spaces, ends of line, numbers and then a NUL follow. */
+/* Returns true if blanks, line ends, numbers and then a NUL follow. */
 static bool ends_soon(const unsigned char *bytes, size_t count)
 {
     for (size_t i = 0; i < count && i < TEXT_MAX; ++i) {
@@ -363,7 +364,7 @@ static bool ends_soon(const unsigned char *bytes, size_t count)
     return false;
 }
 
-/* An answer stands at the start, or after what ended another. */
+/* An answer begins at the start, or after the end of another one. */
 static bool may_begin_reply(const unsigned char *bytes, size_t at)
 {
     return at == 0 || bytes[at - 1] == 0 || is_small_text(bytes[at - 1]);
@@ -415,7 +416,7 @@ const char *glove_sensor_name(uint32_t semantic)
     return is_angle ? device_sensor_name[semantic - MRT_CH_ANGLE] : "extra";
 }
 
-/* Bits are in the order of the sensors; the index finger has no abduction of its own. */
+/* Bits are in the order of the sensors; the index finger has no abduction sensor. */
 static uint32_t semantic_of_bit(uint32_t bit)
 {
     if (bit == INDEX_ABDUCTION_BIT || bit > WRIST_YAW_BIT)
@@ -450,14 +451,14 @@ void glove_sensors_of_count(uint32_t count, glove_sensors *out)
     *out = of_mask(mask_of_count(count));
 }
 
-/* The low byte comes first, but the other order is known by its 18-sensor mask. */
+/* The low byte comes first, unless the mask of 18 sensors shows the other order. */
 static uint32_t in_order(uint32_t mask)
 {
     uint32_t turned = (mask & 0xFFu) << 16 | (mask & 0xFF00u) | mask >> 16;
     return turned == GLOVE_MASK_18 ? turned : mask;
 }
 
-/* The hardware mask, unless it contradicts a number of sensors that gloves have. */
+/* Returns the hardware mask, unless it contradicts the sensor count of known gloves. */
 static uint32_t hardware_mask(const glove_census *census)
 {
     uint32_t mask = in_order(census->hardware_mask & 0xFFFFFFu);

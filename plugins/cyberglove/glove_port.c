@@ -21,7 +21,7 @@
 #include <time.h>
 #include <unistd.h>
 
-/* ---- what failed ---- */
+/* ---- errors ---- */
 
 mrt_result glove_why_set(glove_why *out, mrt_result code, const char *format, ...)
 {
@@ -39,14 +39,14 @@ void glove_why_hex(char *out, size_t capacity, const unsigned char *bytes, size_
         used += (size_t)snprintf(out + used, capacity - used, "%s%02x", i > 0 ? " " : "", bytes[i]);
 }
 
-/* ---- bytes, over either ---- */
+/* ---- bytes, for both kinds ---- */
 
 enum { EMPTY_READS_MAX = 3, BITS_PER_BYTE = 10 };
 static const int64_t NS_PER_S = 1000000000, NS_PER_MS = 1000000;
 static const int64_t write_limit_ns = 250000000, drain_limit_ns = 100000000;
 static const size_t flush_limit = 65536;
 
-/* Rounded up, so that a wait that is over is over; a minute at most. */
+/* Rounded up, so that the wait is over after it; at most a minute. */
 static int poll_ms(int64_t wait_ns)
 {
     if (wait_ns <= 0)
@@ -56,7 +56,7 @@ static int poll_ms(int64_t wait_ns)
     return (int)((wait_ns + NS_PER_MS - 1) / NS_PER_MS);
 }
 
-/* revents; 0: nothing before the deadline; -1: error. */
+/* Returns revents; 0: nothing before the deadline; -1: error. */
 static int wait_for(const glove_port *self, short events, int64_t deadline_ns)
 {
     for (;;) {
@@ -72,7 +72,7 @@ static int wait_for(const glove_port *self, short events, int64_t deadline_ns)
     }
 }
 
-/* What a read without bytes means. A port that is ready and has none, again and again, is gone. */
+/* Interprets a read without bytes. A port that is repeatedly ready without bytes was lost. */
 static int without_bytes(glove_port *self, ssize_t got, int ready)
 {
     bool would_wait = got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR);
@@ -103,7 +103,7 @@ int glove_port_read(glove_port *self, unsigned char *out, size_t capacity, int64
     return (int)got;
 }
 
-/* A peer that has gone must not end the program with SIGPIPE. */
+/* Sends without SIGPIPE, so that a closed connection does not end the program. */
 static ssize_t send_some(const glove_port *self, const unsigned char *bytes, size_t size)
 {
     return self->baud == 0 ? send(self->file, bytes, size, MSG_NOSIGNAL)
@@ -174,7 +174,7 @@ void glove_port_close(glove_port *self)
     if (self->file < 0)
         return;
     if (self->baud > 0) {
-        /* Bytes that nobody takes would hold up close() for half a minute. */
+        /* Discard unsent bytes: they would block close() for half a minute. */
         int waiting = 0;
         bool is_stuck = ioctl(self->file, TIOCOUTQ, &waiting) == 0 && waiting > 0;
         tcflush(self->file, is_stuck ? TCIOFLUSH : TCIFLUSH);
@@ -189,8 +189,8 @@ void glove_port_close(glove_port *self)
 
 /* ---- a serial port ---- */
 
-/* Opened for us alone, 8N1, raw, without the adapter's waiting; or a line that says why not and
- * what to do. */
+/* Opens the port exclusively, 8N1, raw, without the adapter's delay; on failure sets the reason and
+ * advice. */
 
 typedef struct speed {
     uint32_t baud;
@@ -210,7 +210,8 @@ static bool speed_code(uint32_t baud, speed_t *out)
     return false;
 }
 
-/* A terminal that a program made: no wire, no adapter, and its maker has it open as well. */
+/* Returns true for a pseudo terminal: it has no wire and no adapter, and its creator has it open as
+ * well. */
 static bool is_pseudo(const char *path)
 {
     char real[PATH_CAPACITY];
@@ -218,13 +219,13 @@ static bool is_pseudo(const char *path)
     return strncmp(real, "/dev/pts/", 9) == 0;
 }
 
-static mrt_result say_busy(const char *path, const char *holder, glove_why *why)
+static mrt_result report_busy(const char *path, const char *holder, glove_why *why)
 {
-    return glove_why_set(why, MRT_ERR_IO, "%s is in use by %s: close that first", path,
+    return glove_why_set(why, MRT_ERR_IO, "%s is in use by %s: close that program first", path,
                          holder[0] ? holder : "another program");
 }
 
-/* own: our descriptor of it, or -1. */
+/* own: our descriptor of the port, or -1. */
 static mrt_result explain(const char *path, int failure, int own, glove_why *why)
 {
     char advice[384], holder[96];
@@ -235,18 +236,18 @@ static mrt_result explain(const char *path, int failure, int own, glove_why *why
         return glove_why_set(why, MRT_ERR_IO, "%s: no permission: %s", path, advice);
     case EBUSY:
         glove_find_other_holder(path, own, holder, sizeof holder);
-        return say_busy(path, holder, why);
+        return report_busy(path, holder, why);
     case ENOENT:
     case ENODEV:
     case ENXIO:
-        return glove_why_set(why, MRT_ERR_IO, "%s is not there: is the glove plugged in?", path);
+        return glove_why_set(why, MRT_ERR_IO, "%s does not exist: is the glove plugged in?", path);
     default:
-        return glove_why_set(why, MRT_ERR_IO, "%s cannot be opened: %s", path, strerror(failure));
+        return glove_why_set(why, MRT_ERR_IO, "cannot open %s: %s", path, strerror(failure));
     }
 }
 
-/* Nobody else may read from it: two readers would share the bytes out between them. */
-static mrt_result take_alone(glove_port *self, const char *path, glove_why *why)
+/* Locks the port, because two readers would get only parts of the bytes. */
+static mrt_result lock_port(glove_port *self, const char *path, glove_why *why)
 {
     char holder[96] = "";
     bool pseudo = is_pseudo(path);
@@ -258,7 +259,7 @@ static mrt_result take_alone(glove_port *self, const char *path, glove_why *why)
     if (pseudo)
         return MRT_OK;
     if (glove_find_other_holder(path, self->file, holder, sizeof holder))
-        return say_busy(path, holder, why);
+        return report_busy(path, holder, why);
     self->is_exclusive = ioctl(self->file, TIOCEXCL) == 0;
     return MRT_OK;
 }
@@ -295,11 +296,11 @@ static void write_latency(const char *path)
     if (file < 0)
         return;
     ssize_t written = write(file, "1", 1);
-    (void)written; /* what came of it is read back */
+    (void)written; /* the result is read back */
     close(file);
 }
 
-/* An FTDI adapter collects bytes for 16 ms unless told not to. */
+/* Turns off the delay of an FTDI adapter, which collects bytes for 16 ms by default. */
 static void hurry(glove_port *self, const char *path)
 {
     struct serial_struct settings;
@@ -321,8 +322,8 @@ static mrt_result take(glove_port *self, const char *path, speed_t code, glove_w
 {
     struct stat about;
     if (fstat(self->file, &about) != 0 || !S_ISCHR(about.st_mode) || !isatty(self->file))
-        return glove_why_set(why, MRT_ERR_UNSUPPORTED, "%s is no serial port", path);
-    mrt_result result = take_alone(self, path, why);
+        return glove_why_set(why, MRT_ERR_UNSUPPORTED, "%s is not a serial port", path);
+    mrt_result result = lock_port(self, path, why);
     if (result < 0)
         return result;
     return set_line(self, path, code, why);
@@ -335,7 +336,7 @@ mrt_result glove_port_open_serial(glove_port *self, const char *path, uint32_t b
     snprintf(self->name, sizeof self->name, "%s", path);
     speed_t code;
     if (!speed_code(baud, &code))
-        return glove_why_set(why, MRT_ERR_ARGUMENT, "%u baud is no speed of a CyberGlove", baud);
+        return glove_why_set(why, MRT_ERR_ARGUMENT, "a CyberGlove does not support %u baud", baud);
     self->file = open(path, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (self->file < 0)
         return explain(path, errno, self->file, why);
@@ -350,7 +351,7 @@ mrt_result glove_port_open_serial(glove_port *self, const char *path, uint32_t b
 
 /* ---- the wireless CyberGlove III: a TCP connection ---- */
 
-/* Numeric addresses, because looking up a name can take half a minute. */
+/* Only numeric addresses, because a name lookup can take half a minute. */
 
 typedef struct tcp_address {
     char host[96], service[8];
@@ -444,6 +445,6 @@ mrt_result glove_port_open_tcp(glove_port *self, const char *address, int64_t de
     if (file >= 0)
         close(file);
     return glove_why_set(why, MRT_ERR_IO,
-                         "%.80s: no connection (%s): is the glove on, and in this network?",
+                         "%.80s: no connection (%s): is the glove switched on and in this network?",
                          address, strerror(failure));
 }

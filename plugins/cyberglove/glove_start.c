@@ -4,23 +4,23 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- questions and orders, each with a limit of its own and all with one in common; given up
- * early when the host stops ---- */
+/* ---- questions and commands: each has its own time limit, and all share one; cancelled when the
+ * host stops ---- */
 
 enum { HEARD_MAX = 1024 };
 
 typedef struct glove_talk {
     glove_port *port;
     const mrt_host *host;
-    double patience;     /* all limits, times this */
-    int64_t deadline_ns; /* of the whole talk; device_clock_ns */
+    double patience;     /* factor for all timeouts */
+    int64_t deadline_ns; /* of the whole start-up; device_clock_ns */
     bool is_gone, is_stopping;
-    unsigned char heard[HEARD_MAX]; /* since the last question; the newest when it is full */
+    unsigned char heard[HEARD_MAX]; /* bytes since the last question; the newest ones if full */
     size_t heard_count, heard_ever;
 } glove_talk;
 
 static const int64_t NS_PER_MS = 1000000;
-/* How long a wait may take before the host is asked whether it is stopping. */
+/* Longest wait before checking whether the host is stopping. */
 static const int64_t slice_ns = 50000000;
 static const int64_t settle_quiet_ms = 40, settle_most_ms = 200;
 
@@ -39,8 +39,8 @@ static void talk_init(glove_talk *self, glove_port *port, const mrt_host *host, 
     self->deadline_ns = talk_until(self, limit_ms);
 }
 
-/* Whether it makes sense to go on: neither gone, nor stopping, nor out of time. */
-static bool talk_goes_on(const glove_talk *self)
+/* Returns true while the start-up can continue: port open, host running, time left. */
+static bool can_continue(const glove_talk *self)
 {
     return !self->is_gone && !self->is_stopping && device_clock_ns() < self->deadline_ns;
 }
@@ -51,7 +51,7 @@ static void talk_say(glove_talk *self, const void *bytes, size_t size)
         self->is_gone = true;
 }
 
-/* A host that stops returns before the time is up. */
+/* The wait of a stopping host returns early. */
 static void look_for_stop(glove_talk *self)
 {
     int64_t soon_ns = self->host->now_ns(self->host) + NS_PER_MS;
@@ -72,8 +72,8 @@ static void remember(glove_talk *self, const unsigned char *bytes, size_t count)
     self->heard_ever += count;
 }
 
-/* Listens until bytes have come or the limit is over; how many came. */
-static size_t talk_hear(glove_talk *self, int64_t until_ns)
+/* Receives until bytes arrive or the time is over. Returns their number. */
+static size_t talk_receive(glove_talk *self, int64_t until_ns)
 {
     unsigned char bytes[256];
     while (!self->is_gone && !self->is_stopping) {
@@ -94,26 +94,26 @@ static size_t talk_hear(glove_talk *self, int64_t until_ns)
     return 0;
 }
 
-/* Listens for so long; false: the talk is over. */
+/* Receives for this time. Returns false if the start-up must end. */
 static bool talk_listen(glove_talk *self, int64_t limit_ms)
 {
     int64_t until_ns = talk_until(self, limit_ms);
-    while (talk_goes_on(self) && device_clock_ns() < until_ns)
-        talk_hear(self, until_ns);
-    return talk_goes_on(self);
+    while (can_continue(self) && device_clock_ns() < until_ns)
+        talk_receive(self, until_ns);
+    return can_continue(self);
 }
 
-/* Listens until nothing has come for 40 ms, 200 ms at most, and forgets what was heard. */
+/* Receives until nothing arrives for 40 ms, at most 200 ms, and discards the bytes. */
 static void talk_settle(glove_talk *self)
 {
     int64_t most_ns = talk_until(self, settle_most_ms);
-    while (talk_goes_on(self) && device_clock_ns() < most_ns)
-        if (talk_hear(self, talk_until(self, settle_quiet_ms)) == 0)
+    while (can_continue(self) && device_clock_ns() < most_ns)
+        if (talk_receive(self, talk_until(self, settle_quiet_ms)) == 0)
             break;
     self->heard_count = 0;
 }
 
-/* Each byte of an order that the glove does not know may be refused on its own. */
+/* The glove may reject each byte of an unknown command separately. */
 static glove_reply conclude(glove_talk *self, glove_reply reply)
 {
     if (reply == GLOVE_REFUSED)
@@ -121,7 +121,7 @@ static glove_reply conclude(glove_talk *self, glove_reply reply)
     return reply;
 }
 
-/* "?LETTER". A refusal is waited out. */
+/* Sends "?LETTER". Waits for all bytes of a rejection. */
 static glove_reply talk_ask(glove_talk *self, char letter, unsigned char *out_value,
                             size_t value_size, int64_t limit_ms)
 {
@@ -130,14 +130,14 @@ static glove_reply talk_ask(glove_talk *self, char letter, unsigned char *out_va
     self->heard_count = 0;
     talk_say(self, question, sizeof question);
     glove_reply reply = GLOVE_SILENT;
-    while (reply == GLOVE_SILENT && talk_goes_on(self) && device_clock_ns() < until_ns)
-        if (talk_hear(self, until_ns) > 0)
+    while (reply == GLOVE_SILENT && can_continue(self) && device_clock_ns() < until_ns)
+        if (talk_receive(self, until_ns) > 0)
             reply =
                 glove_reply_value(self->heard, self->heard_count, letter, out_value, value_size);
     return conclude(self, reply);
 }
 
-/* The bytes of an order that is answered with its letter. */
+/* Sends a command that the glove answers with its letter. */
 static glove_reply talk_order(glove_talk *self, const void *bytes, size_t size, char letter,
                               int64_t limit_ms)
 {
@@ -145,8 +145,8 @@ static glove_reply talk_order(glove_talk *self, const void *bytes, size_t size, 
     self->heard_count = 0;
     talk_say(self, bytes, size);
     glove_reply reply = GLOVE_SILENT;
-    while (reply == GLOVE_SILENT && talk_goes_on(self) && device_clock_ns() < until_ns)
-        if (talk_hear(self, until_ns) > 0)
+    while (reply == GLOVE_SILENT && can_continue(self) && device_clock_ns() < until_ns)
+        if (talk_receive(self, until_ns) > 0)
             reply = glove_reply_done(self->heard, self->heard_count, letter);
     return conclude(self, reply);
 }
@@ -157,58 +157,58 @@ enum { ASK_TRIES = 4, RATE_MOST_HZ = 1000 };
 static const int64_t whole_ms = 6000, ask_ms = 500, order_ms = 300, pause_ms = 50;
 static const int64_t restart_ms = 2500, first_record_ms = 1000, poll_again_ms = 200;
 static const double ticks_per_s = 115200.0;
-/* Gloves that keep their own rate send at least so often: below, they are asked for each record. */
+/* Lowest rate of gloves that keep their own rate: a lower rate needs polling. */
 static const double slowest_native_hz = 90.0;
-/* Of what the line can carry: the rest is for clocks that differ. */
+/* Usable share of the line's capacity; the rest is reserved for clock differences. */
 static const double line_share = 0.95;
 
-/* ---- what is there ---- */
+/* ---- identifying the device ---- */
 
-static mrt_result say_silent(const glove_talk *talk, glove_why *why)
+static mrt_result report_silence(const glove_talk *talk, glove_why *why)
 {
     const glove_port *port = talk->port;
     if (port->baud == 0)
-        return glove_why_set(why, MRT_ERR_IO, "%s: connected, but nothing answers", port->name);
+        return glove_why_set(why, MRT_ERR_IO, "%s: connected, but no answer", port->name);
     return glove_why_set(why, MRT_ERR_IO,
-                         "%s: nothing answers at %u baud: is the glove's box switched on, is it "
-                         "set to this speed (old ones to 38400: baud=38400)?",
+                         "%s: no answer at %u baud: is the glove's box switched on and set to this "
+                         "speed? Old boxes need baud=38400",
                          port->name, port->baud);
 }
 
-static mrt_result say_no_glove(const glove_talk *talk, const unsigned char *bytes, size_t count,
-                               glove_why *why)
+static mrt_result report_other_device(const glove_talk *talk, const unsigned char *bytes,
+                                      size_t count, glove_why *why)
 {
     char hex[50];
     glove_why_hex(hex, sizeof hex, bytes, count);
     return glove_why_set(why, MRT_ERR_UNSUPPORTED,
-                         "%s: this is no CyberGlove at %u baud; to \"?G\" it says %s: another "
-                         "device, or a glove set to another speed",
+                         "%s: not a CyberGlove at %u baud; it answers \"?G\" with %s. It is "
+                         "another device, or a glove set to another speed",
                          talk->port->name, talk->port->baud, hex);
 }
 
-/* Why the talk ended, if it did. */
+/* Returns the reason if the start-up ended. */
 static mrt_result end_of(const glove_talk *talk, glove_why *why)
 {
     if (talk->is_stopping)
-        return glove_why_set(why, MRT_ERR_IO, "%s: given up, the program stops", talk->port->name);
+        return glove_why_set(why, MRT_ERR_IO, "%s: cancelled because the program quits",
+                             talk->port->name);
     if (talk->is_gone && talk->port->baud == 0)
-        return glove_why_set(why, MRT_ERR_IO,
-                             "%s closed the connection while it was asked: is the glove in use by "
-                             "another program?",
-                             talk->port->name);
+        return glove_why_set(
+            why, MRT_ERR_IO,
+            "%s closed the connection during start-up: is the glove in use by another program?",
+            talk->port->name);
     if (talk->is_gone)
-        return glove_why_set(why, MRT_ERR_IO, "%s went away while it was asked: was it unplugged?",
+        return glove_why_set(why, MRT_ERR_IO, "%s disappeared during start-up: was it unplugged?",
                              talk->port->name);
-    if (!talk_goes_on(talk))
+    if (!can_continue(talk))
         return glove_why_set(why, MRT_ERR_IO,
-                             "%s answers so slowly that it was given up; if it is a CyberGlove, "
-                             "switch it off and on",
+                             "%s answers too slowly. If it is a CyberGlove, switch it off and on",
                              talk->port->name);
     return MRT_OK;
 }
 
-/* Stops whatever it was doing. */
-static void hush(glove_talk *talk)
+/* Stops whatever the glove is sending. */
+static void stop_sending(glove_talk *talk)
 {
     const char stop = GLOVE_CTRL_C;
     talk_say(talk, &stop, 1);
@@ -225,7 +225,7 @@ typedef struct first_words {
 
 static bool is_ready(glove_talk *talk, int tries, uint32_t *out, first_words *heard)
 {
-    for (int i = 0; i < tries && talk_goes_on(talk); ++i) {
+    for (int i = 0; i < tries && can_continue(talk); ++i) {
         unsigned char value = 0;
         glove_reply reply = talk_ask(talk, 'G', &value, 1, ask_ms);
         *out = value;
@@ -244,7 +244,7 @@ static mrt_result find_glove(glove_talk *talk, glove_effort effort, uint32_t *ou
 {
     first_words heard = {.count = 0};
     bool ready = is_ready(talk, effort == GLOVE_MAY_RESTART ? ASK_TRIES : 2, out_readiness, &heard);
-    if (!ready && effort == GLOVE_MAY_RESTART && talk_goes_on(talk)) {
+    if (!ready && effort == GLOVE_MAY_RESTART && can_continue(talk)) {
         const char restart = GLOVE_CTRL_R;
         talk_say(talk, &restart, 1);
         if (talk_listen(talk, restart_ms))
@@ -254,8 +254,8 @@ static mrt_result find_glove(glove_talk *talk, glove_effort effort, uint32_t *ou
         return MRT_OK;
     if (talk->is_gone || talk->is_stopping)
         return end_of(talk, why);
-    return heard.count > 0 ? say_no_glove(talk, heard.bytes, heard.count, why)
-                           : say_silent(talk, why);
+    return heard.count > 0 ? report_other_device(talk, heard.bytes, heard.count, why)
+                           : report_silence(talk, why);
 }
 
 static uint32_t ask_mask(glove_talk *talk, char letter, int64_t limit_ms)
@@ -284,13 +284,13 @@ static mrt_result find_sensors(glove_talk *talk, glove_unit *out, glove_why *why
     bool has_any = census.sensor_count > 0 || census.hardware_mask > 0;
     if (!has_any)
         return glove_why_set(why, MRT_ERR_IO,
-                             "%s answered one question like a CyberGlove, and none after it: "
+                             "%s answered the first question like a CyberGlove, but no later one: "
                              "switch it off and on",
                              talk->port->name);
     if (!glove_sensors_find(&census, &out->sensors))
         return glove_why_set(why, MRT_ERR_UNSUPPORTED,
-                             "%s answers like a CyberGlove, but says that it has %u sensors and "
-                             "not which: gloves of 18 and 22 are known",
+                             "%s answers like a CyberGlove, but reports %u sensors and not which "
+                             "ones: only gloves with 18 or 22 are supported",
                              talk->port->name, census.sensor_count);
     return MRT_OK;
 }
@@ -306,7 +306,7 @@ static void find_hand(glove_talk *talk, const glove_settings *settings, glove_un
         out->hand = MRT_RIGHT;
 }
 
-/* ---- what it is to do ---- */
+/* ---- setting up the glove ---- */
 
 static void note_refusal(glove_unit *unit, char letter)
 {
@@ -315,7 +315,7 @@ static void note_refusal(glove_unit *unit, char letter)
         unit->refused[used] = letter;
 }
 
-/* Orders with a byte, 0 or 1. */
+/* Sends a command with a byte, 0 or 1. */
 static bool give_flag(glove_talk *talk, glove_unit *unit, char letter, bool on)
 {
     const char order[2] = {letter, on ? 1 : 0};
@@ -336,7 +336,8 @@ static double rate_for_line(const glove_port *port, const glove_unit *unit, doub
     return requested_hz > most_hz ? most_hz : requested_hz;
 }
 
-/* Two words; which byte comes first is not known: the order in which it is what was asked. */
+/* Reads two words. Their byte order is not known, so the order that gives the requested value is
+ * used. */
 static uint32_t period_ticks(const unsigned char value[4], uint32_t asked)
 {
     uint32_t high_first =
@@ -376,10 +377,10 @@ static void give_rate(glove_talk *talk, const glove_settings *settings, glove_un
         return;
     }
     note_refusal(unit, 'T');
-    hush(talk); /* whatever it made of the digits */
+    stop_sending(talk); /* ignore its answer to the digits */
 }
 
-/* Records of bytes: D, U, F, T; what it refuses it does without. */
+/* Sets up records of bytes: D, U, F, T. Continues without the commands that the glove rejects. */
 static mrt_result set_up(glove_talk *talk, const glove_settings *settings, glove_unit *out,
                          glove_why *why)
 {
@@ -389,7 +390,7 @@ static mrt_result set_up(glove_talk *talk, const glove_settings *settings, glove
     if (settings->filter != GLOVE_FILTER_AS_IT_IS)
         give_flag(talk, out, 'F', settings->filter == GLOVE_FILTER_ON);
     give_rate(talk, settings, out);
-    if (settings->stamps == GLOVE_STAMPS_ON && !out->layout.has_time && talk_goes_on(talk))
+    if (settings->stamps == GLOVE_STAMPS_ON && !out->layout.has_time && can_continue(talk))
         return glove_why_set(why, MRT_ERR_UNSUPPORTED,
                              "%s has no time stamps, as most CyberGlove II and III: leave "
                              "time_stamps=auto",
@@ -416,7 +417,7 @@ bool glove_start_sending(glove_port *port, const glove_unit *unit)
     return glove_port_write(port, &unit->layout.head, 1);
 }
 
-/* ---- its first record ---- */
+/* ---- the first record ---- */
 
 static void adopt(glove_unit *unit, glove_parse *parse, const glove_layout *layout)
 {
@@ -428,8 +429,8 @@ static void adopt(glove_unit *unit, glove_parse *parse, const glove_layout *layo
 
 typedef enum heard_records { HEARD_NONE = 0, HEARD_NO_GLOVE, HEARD_RECORD } heard_records;
 
-/* Takes the bytes heard last into the parser. */
-static heard_records take_heard(const glove_talk *talk, size_t count, glove_parse *parse)
+/* Passes the last received bytes to the parser. */
+static heard_records parse_received(const glove_talk *talk, size_t count, glove_parse *parse)
 {
     const unsigned char *bytes = talk->heard + talk->heard_count - count;
     glove_record record;
@@ -446,20 +447,20 @@ static heard_records take_heard(const glove_talk *talk, size_t count, glove_pars
     return found;
 }
 
-static mrt_result say_no_record(const glove_talk *talk, const glove_unit *unit, glove_why *why)
+static mrt_result report_no_record(const glove_talk *talk, const glove_unit *unit, glove_why *why)
 {
     char hex[98];
     const char *name = talk->port->name;
     glove_why_hex(hex, sizeof hex, talk->heard, talk->heard_count);
     if (talk->heard_count == 0)
-        return glove_why_set(why, MRT_ERR_IO, "%s is a CyberGlove, but it sends no records%s", name,
+        return glove_why_set(why, MRT_ERR_IO, "%s is a CyberGlove, but sends no records%s", name,
                              unit->readiness & 2
                                  ? ": switch it off and on"
-                                 : ": it says that no glove is plugged into its box");
-    return glove_why_set(why, MRT_ERR_FORMAT,
-                         "%s is a CyberGlove, but what it sends are no records of %u sensors: %s: "
-                         "switch it off and on",
-                         name, unit->layout.sensor_count, hex);
+                                 : ": it reports that the glove is not plugged into the box");
+    return glove_why_set(
+        why, MRT_ERR_FORMAT,
+        "%s is a CyberGlove, but does not send records of %u sensors: %s: switch it off and on",
+        name, unit->layout.sensor_count, hex);
 }
 
 static int64_t first_limit_ms(const glove_unit *unit)
@@ -468,11 +469,10 @@ static int64_t first_limit_ms(const glove_unit *unit)
     return three_ms > first_record_ms ? three_ms : first_record_ms;
 }
 
-static mrt_result say_no_hand(const glove_talk *talk, glove_why *why)
+static mrt_result report_no_hand(const glove_talk *talk, glove_why *why)
 {
     return glove_why_set(why, MRT_ERR_IO,
-                         "%s: the box answers, but says that the glove is not plugged into it: "
-                         "plug it in",
+                         "%s: the box answers, but the glove is not plugged into it: plug it in",
                          talk->port->name);
 }
 
@@ -485,16 +485,16 @@ static mrt_result have_record(glove_talk *talk, glove_unit *unit, glove_parse *p
         talk->is_gone = true;
     int64_t until_ns = talk_until(talk, first_limit_ms(unit));
     heard_records found = HEARD_NONE;
-    while (talk_goes_on(talk) && device_clock_ns() < until_ns) {
+    while (can_continue(talk) && device_clock_ns() < until_ns) {
         int64_t try_ns = unit->is_polled ? talk_until(talk, poll_again_ms) : until_ns;
-        size_t count = talk_hear(talk, try_ns < until_ns ? try_ns : until_ns);
+        size_t count = talk_receive(talk, try_ns < until_ns ? try_ns : until_ns);
         bool asks_again = unit->is_polled && !talk->is_gone;
-        heard_records now = take_heard(talk, count, parse);
+        heard_records now = parse_received(talk, count, parse);
         glove_layout other = unit->layout;
         if (now == HEARD_NONE && found == HEARD_NONE &&
             glove_layout_guess(talk->heard, talk->heard_count, &other)) {
             adopt(unit, parse, &other);
-            now = take_heard(talk, talk->heard_count, parse);
+            now = parse_received(talk, talk->heard_count, parse);
         }
         if (now == HEARD_RECORD)
             return MRT_OK;
@@ -505,7 +505,7 @@ static mrt_result have_record(glove_talk *talk, glove_unit *unit, glove_parse *p
     }
     if (talk->is_gone || talk->is_stopping)
         return end_of(talk, why);
-    return found == HEARD_NO_GLOVE ? say_no_hand(talk, why) : say_no_record(talk, unit, why);
+    return found == HEARD_NO_GLOVE ? report_no_hand(talk, why) : report_no_record(talk, unit, why);
 }
 
 mrt_result glove_start(glove_port *port, const mrt_host *host, const glove_settings *settings,
@@ -514,7 +514,7 @@ mrt_result glove_start(glove_port *port, const mrt_host *host, const glove_setti
     glove_talk talk;
     *out = (glove_unit){.layout = {.form = settings->form}};
     talk_init(&talk, port, host, settings->patience, whole_ms);
-    hush(&talk);
+    stop_sending(&talk);
     mrt_result result = find_glove(&talk, effort, &out->readiness, why);
     if (result < 0)
         return result;
@@ -525,7 +525,7 @@ mrt_result glove_start(glove_port *port, const mrt_host *host, const glove_setti
     find_hand(&talk, settings, out);
     if (settings->form == GLOVE_BYTES)
         result = set_up(&talk, settings, out, why);
-    else /* lets it send over USB; what it answers is not known */
+    else /* enable sending over USB; its answer is unknown */
         talk_order(&talk, "1eu", 3, '1', order_ms);
     if (result < 0)
         return result;

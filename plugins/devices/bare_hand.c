@@ -12,12 +12,12 @@ static const char *const side_label[] = {"left", "right", "either", NULL};
 static const char *const wrist_label[] = {"still", "followed", NULL};
 const mrt_param bare_hand_params[BARE_HAND_PARAMS] = {
     [BARE_HAND_SIDE] = {1, MRT_PARAM_STEPPED, "hand", "Hand", "",
-                        "Whose hand performs; either: whichever is seen, as a right one", MRT_LEFT,
-                        BARE_HAND_EITHER, BARE_HAND_EITHER, side_label},
-    [BARE_HAND_WRIST] = {2, MRT_PARAM_STEPPED, "wrist", "Hand", "",
-                         "Whether the wrist nods and turns as the hand does, from how it was first "
-                         "seen",
-                         0, 1, 1, wrist_label},
+                        "Hand that performs; either: the visible one, used as a right hand",
+                        MRT_LEFT, BARE_HAND_EITHER, BARE_HAND_EITHER, side_label},
+    [BARE_HAND_WRIST] =
+        {2, MRT_PARAM_STEPPED, "wrist", "Hand", "",
+         "Whether the wrist follows the tilt and turn of the hand since it was first seen", 0, 1, 1,
+         wrist_label},
 };
 
 static uint32_t wanted_of(const double *params)
@@ -35,7 +35,7 @@ bool bare_hand_can_be_read(const bare_hand *self)
 {
     if (!self->reader)
         device_say(self->host, MRT_LOG_ERROR,
-                   "this program reads no landmarks of hands: a newer marotte does");
+                   "this version of marotte cannot read hand landmarks: use a newer one");
     return self->reader != NULL;
 }
 
@@ -64,7 +64,7 @@ void bare_hand_follow(bare_hand *self, const double *params)
     self->host->request_restart(self->host);
 }
 
-/* v turned by q: v + 2 w (u x v) + 2 u x (u x v). */
+/* Rotates v by q: v + 2 w (u x v) + 2 u x (u x v). */
 static void rotate(const float q[4], const float v[3], float out[3])
 {
     float t[3];
@@ -78,8 +78,8 @@ static void rotate(const float q[4], const float v[3], float out[3])
     }
 }
 
-/* Of a hand that yaws towards its thumb first, then pitches towards the palm, as angles of a wrist
- * do: the fingers point along (sin yaw, -sin pitch cos yaw, cos pitch cos yaw). */
+/* Angles of a hand that first yaws to the thumb's side, then pitches to the palm, like a wrist. The
+ * fingers point along (sin yaw, -sin pitch cos yaw, cos pitch cos yaw). */
 void bare_hand_turn(bare_hand *self, uint32_t side, mrt_hand_reading *reading)
 {
     static const float along[3] = {0.0f, 0.0f, 1.0f};

@@ -34,7 +34,7 @@ int64_t device_clock_ns(void)
     return (int64_t)now.tv_sec * ns_per_s + now.tv_nsec;
 }
 
-/* Of a few tries the one that was interrupted least. */
+/* Uses the least interrupted of a few attempts. */
 int64_t device_clock_host_offset_ns(const mrt_host *host)
 {
     int64_t offset_ns = 0, least_ns = INT64_MAX;
@@ -119,13 +119,12 @@ bool device_condition_wait(pthread_cond_t *condition, pthread_mutex_t *mutex, in
     return pthread_cond_timedwait(condition, mutex, &until) == 0;
 }
 
-/* ---- the clock of a device ---- */
+/* ---- mapping a device's clock ---- */
 
-/* Long enough to meet an arrival that was not late, short enough to follow two crystals: 50 ppm in
- * 8 s are 0.4 ms. */
+/* Long enough to include an arrival without delay, and short enough to follow two crystals: 50 ppm
+ * in 8 s are 0.4 ms. */
 static const int64_t window_ns = 1000000000;
-/* The offset follows an estimate that grew by 1 ns in so many: 0.2 ms a second, more than crystals
- * drift. */
+/* The offset rises by at most 1 ns per this time: 0.2 ms per second, more than crystals drift. */
 static const int64_t rise_span_ns = 5000;
 static const int64_t jump_ns = 1000000000;
 
@@ -177,7 +176,8 @@ int64_t clock_map_to_host(clock_map *map, int64_t device_ns, int64_t arrival_ns)
         start(map, device_ns, arrival_ns);
     remember(map, late_ns, arrival_ns);
     int64_t wanted_ns = least(map);
-    /* An earlier arrival than ever is the truth at once; a later estimate is crept up to. */
+    /* An arrival earlier than all before sets the offset immediately; a later estimate is
+     * approached slowly. */
     int64_t rise_ns = (device_ns - map->last_device_ns) / rise_span_ns;
     if (wanted_ns > map->offset_ns + rise_ns)
         wanted_ns = map->offset_ns + rise_ns;

@@ -1,29 +1,29 @@
-/* plugins/devices/device_io.h - what every input that waits for a device does: say a sentence, tell
- * the time, by the device's clock too, wait for bytes, read what the system tells, call the sensors
- * of a hand by their names. Shared by input plugins. */
+/* plugins/devices/device_io.h - helpers of inputs that wait for a device: logging, clocks, waiting
+ * for bytes, reading small system files, names of the sensors of a hand. Shared by input
+ * plugins. */
 #ifndef MAROTTE_DEVICES_DEVICE_IO_H
 #define MAROTTE_DEVICES_DEVICE_IO_H
 #include <marotte/plugin.h>
 
 #include <pthread.h>
 
-/* What the angles of a hand are called, in sensor order: "thumb.roll" ... "wrist.yaw". */
+/* Names of a hand's angles, in sensor order: "thumb.roll" ... "wrist.yaw". */
 extern const char *const device_sensor_name[MRT_ANGLES];
 
-/* One line for the person, cut at 511 bytes. Any thread. */
+/* Logs one line for the user, truncated at 511 bytes. Any thread. */
 __attribute__((format(printf, 3, 4))) void device_say(const mrt_host *host, int32_t level,
                                                       const char *format, ...);
 
-/* The system's monotonic clock, for threads that the host has not made: those may not ask the host
- * for the time. */
+/* Returns the system's monotonic clock. For threads not created by the host, because those cannot
+ * ask the host for the time. */
 int64_t device_clock_ns(void);
-/* The host's clock less that one. [main] [input] */
+/* Returns the host's clock minus device_clock_ns. [main] [input] */
 int64_t device_clock_host_offset_ns(const mrt_host *host);
-/* The deadline of a read by that clock; a second from now at most, also for a host whose clock
- * waits for this input. [input] */
+/* Converts the deadline of a read to device_clock_ns. At most one second ahead, also for a host
+ * whose clock waits for this input. [input] */
 int64_t device_deadline_ns(const mrt_host *host, int64_t deadline_ns);
-/* The host's time for a sample that was measured at time_ns: never in the future, never before
- * *last_ns, which it becomes. [main] [input] */
+/* Returns the host's time of a sample measured at time_ns: never in the future, never before
+ * *last_ns. Sets *last_ns to it. [main] [input] */
 int64_t device_sample_ns(const mrt_host *host, int64_t time_ns, int64_t *last_ns);
 
 static inline int64_t device_sooner_ns(int64_t a_ns, int64_t b_ns)
@@ -31,27 +31,29 @@ static inline int64_t device_sooner_ns(int64_t a_ns, int64_t b_ns)
     return a_ns < b_ns ? a_ns : b_ns;
 }
 
-/* Waits until the descriptor has something to read (or is gone), or span_ns have passed, never
- * longer: 1, 0, or -1 and errno. A span below 0 is 0. A signal ends it early with 0. */
+/* Waits at most span_ns until the descriptor is readable or closed. Returns 1, 0 at the end of the
+ * time, or -1 and errno. A negative span counts as 0. A signal ends the wait early with 0. */
 int device_wait(int descriptor, int64_t span_ns);
 
-/* The beginning of a small file, as of /sys and /proc: how many bytes; 0: there is none. */
+/* Reads the beginning of a small file, such as in /sys and /proc. Returns the number of bytes; 0 if
+ * it cannot be read. */
 size_t device_read_file(const char *path, void *out, size_t capacity);
-/* Its first line without its end, 0-ended; control characters, which a device may well have in its
- * name, are blanks, and none of these is at the end. "" if there is none. */
+/* Reads the first line of such a file, 0-ended. Control characters, which a device's name can
+ * contain, become blanks; trailing ones are removed. "" if it cannot be read. */
 void device_read_line(const char *path, char *out, size_t capacity);
 
-/* A condition whose waits are by device_clock_ns. Any thread. */
+/* Initialises a condition variable that uses device_clock_ns. Any thread. */
 void device_condition_init(pthread_cond_t *out);
-/* As pthread_cond_timedwait. False: it is until_ns. */
+/* Like pthread_cond_timedwait. Returns false at until_ns. */
 bool device_condition_wait(pthread_cond_t *condition, pthread_mutex_t *mutex, int64_t until_ns);
 
-/* ---- from a device's own clock to the host's: the time at which a sample was measured, though
- * samples arrive late and in bunches. The offset is the smallest lateness seen lately, followed
- * slowly, so that it is neither moved by one late arrival nor lost when the two clocks drift apart.
- * Leaves out units and wrap-around: the caller's. Pure functions on one struct ---- */
+/* ---- from a device's clock to the host's: the time at which a sample was measured, although
+ * samples arrive late and in bunches. The offset is the smallest recent lateness, followed slowly.
+ * So one late arrival does not move it, and it follows the drift of the two clocks. Leaves out
+ * units and wrap-around, which the caller handles. Pure functions on one struct ---- */
 
-/* Times of other clocks are cut to +- this, 73 years: sums and differences of two fit 64 bits. */
+/* Times of other clocks are limited to +- this value, 73 years, so that sums and differences of two
+ * fit 64 bits. */
 static const int64_t DEVICE_TIME_MAX_NS = INT64_C(1) << 61;
 
 static inline int64_t device_time_ns(int64_t time_ns)
@@ -64,7 +66,7 @@ static inline int64_t device_time_ns(int64_t time_ns)
 enum { CLOCK_MAP_WINDOWS = 8 };
 typedef struct clock_map {
     bool running;
-    int64_t offset_ns;                   /* host - device, as used now */
+    int64_t offset_ns;                   /* host - device, current value */
     int64_t least_ns[CLOCK_MAP_WINDOWS]; /* smallest host - device of each window */
     int64_t window_start_ns;             /* host clock */
     uint32_t window;
@@ -72,9 +74,9 @@ typedef struct clock_map {
 } clock_map;
 
 void clock_map_reset(clock_map *map);
-/* Host time of what the device measured at device_ns and the host received at arrival_ns: never
- * after the arrival, never before what was returned last. A device clock that jumps (backwards, or
- * by more than a second against the host's) starts the map anew. device_ns may be any number. */
+/* Returns the host time of a measurement at device_ns that arrived at arrival_ns: never after the
+ * arrival, never before the last returned time. If the device's clock jumps (backwards, or by more
+ * than a second against the host's), the map restarts. device_ns can be any number. */
 int64_t clock_map_to_host(clock_map *map, int64_t device_ns, int64_t arrival_ns);
 
 #endif

@@ -20,11 +20,12 @@ void trace_open(trace *self, const mrt_host *host, const char *source)
     if (self->file >= 0)
         return;
     char text[256];
-    snprintf(text, sizeof text, "MAROTTE_TRACE: %.160s cannot be written: nothing is traced", path);
+    snprintf(text, sizeof text, "MAROTTE_TRACE: cannot write %.160s: tracing is off", path);
     host->log(host, MRT_LOG_WARNING, text);
 }
 
-/* One write a line, so that lines of several threads do not mix. A full disk loses lines. */
+/* Writes each line with one call, so that lines of several threads do not mix. A full disk loses
+ * lines. */
 static void put(const trace *self, const char *line, size_t size)
 {
     ssize_t written = write(self->file, line, size);

@@ -14,7 +14,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-/* Room for what comes while the reader is not scheduled; the system may give less. */
+/* Receive buffer for times when the reader is not scheduled; the system may give less. */
 enum { RECEIVE_BYTES = 1 << 20 };
 
 /* ---- addresses ---- */
@@ -47,7 +47,7 @@ static bool parse_host(char *out, const char *text, size_t length)
         text += 1;
         length -= 2;
     } else if (memchr(text, ':', length)) {
-        return false; /* IPv6 without brackets: which part is the port? */
+        return false; /* IPv6 without brackets: the port is ambiguous */
     }
     if (length == 0 || length >= UDP_HOST)
         return false;
@@ -58,7 +58,7 @@ static bool parse_host(char *out, const char *text, size_t length)
     return is_printable(out);
 }
 
-/* The last ':' before `end`; NULL: there is none. */
+/* Returns the last ':' before `end`; NULL: none. */
 static const char *last_colon(const char *text, const char *end)
 {
     while (end > text)
@@ -126,12 +126,13 @@ static int open_socket(const struct addrinfo *address)
 static const char *advice_for_bind(int error)
 {
     if (error == EADDRINUSE)
-        return "another program, or another input under another address, listens there: write the "
-               "same address for all inputs, or another port";
+        return "another program or input already listens there: use the same address for all "
+               "inputs, or another port";
     if (error == EADDRNOTAVAIL)
-        return "this computer has no such address: write 0.0.0.0 for all that it has";
+        return "this computer does not have this address: write 0.0.0.0 to listen on all its "
+               "addresses";
     if (error == EACCES)
-        return "this user may not: choose a port from 1024 on";
+        return "you have no permission: choose port 1024 or above";
     return "choose another port";
 }
 
@@ -140,8 +141,8 @@ int udp_bind(const char *host, uint16_t port, char out_reason[UDP_REASON])
     struct addrinfo *address = find_address(host, port, AI_PASSIVE | AI_NUMERICHOST, out_reason);
     if (!address) {
         snprintf(out_reason, UDP_REASON,
-                 "%.100s is no address of this computer in numbers: write 0.0.0.0:%u to hear other "
-                 "computers, or the port alone to hear this one",
+                 "%.100s is not a numeric address of this computer: write 0.0.0.0:%u to receive "
+                 "from other computers, or only the port to receive from this one",
                  host, (unsigned)port);
         return -1;
     }
@@ -151,7 +152,7 @@ int udp_bind(const char *host, uint16_t port, char out_reason[UDP_REASON])
         (void)setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &receive_bytes, sizeof receive_bytes);
     if (fd < 0 || bind(fd, address->ai_addr, address->ai_addrlen) != 0) {
         int error = errno;
-        snprintf(out_reason, UDP_REASON, "cannot listen at %.100s port %u: %s: %s", host,
+        snprintf(out_reason, UDP_REASON, "cannot listen on %.100s port %u: %s: %s", host,
                  (unsigned)port, strerror(error), advice_for_bind(error));
         udp_close(fd);
         fd = -1;
@@ -218,11 +219,11 @@ int64_t udp_receive(int socket, void *out, size_t capacity, udp_peer *out_peer, 
         ssize_t size = recvfrom(socket, out, capacity, 0, (struct sockaddr *)&from, &from_size);
         if (size >= 0) {
             *out_peer = peer_of(&from, from.ss_family);
-            return size > 0 ? size : 1; /* an empty datagram is no OSC, as one of a byte is none */
+            return size > 0 ? size : 1; /* an empty one counts as 1 byte: both are invalid */
         }
         if (!is_passing(errno))
             return UDP_FAILED;
-        if (errno != EAGAIN) /* what was wrong with a datagram before */
+        if (errno != EAGAIN) /* error report of an earlier datagram */
             continue;
         int64_t span_ns = deadline_ns - device_clock_ns();
         if (span_ns <= 0)
@@ -237,13 +238,13 @@ int udp_send(int socket, const void *bytes, size_t size)
     if (send(socket, bytes, size, MSG_NOSIGNAL) >= 0)
         return 0;
     int error = errno;
-    /* What is reported is an earlier datagram's error, and this one has not been sent yet. */
+    /* The error belongs to an earlier datagram, and this one was not sent. */
     if (error == ECONNREFUSED)
         (void)!send(socket, bytes, size, MSG_NOSIGNAL);
     return error;
 }
 
-/* As the socket's own family has it; 0: that family has no such address. */
+/* Converts the address to the socket's family. Returns 0 if that family does not have it. */
 static socklen_t address_of(struct sockaddr_storage *out, const udp_peer *peer, int socket)
 {
     struct sockaddr_storage own = {0};
@@ -276,7 +277,7 @@ int udp_send_to(int socket, const udp_peer *to, const void *bytes, size_t size)
         if (sendto(socket, bytes, size, MSG_NOSIGNAL, (struct sockaddr *)&address, address_size) >=
             0)
             return 0;
-        /* Of a datagram before, to anybody: this one has not been sent. */
+        /* The error belongs to an earlier datagram, to any receiver: this one was not sent. */
         if (again == 0 || (errno != ECONNREFUSED && errno != EHOSTUNREACH && errno != EHOSTDOWN))
             return errno == ECONNREFUSED ? 0 : errno;
     }
@@ -292,7 +293,7 @@ void udp_keep_failures(int socket)
 int udp_failure(int socket, udp_peer *out_to)
 {
     struct sockaddr_storage to = {0};
-    char start[1]; /* of the datagram, which nobody needs */
+    char start[1]; /* content of the datagram, which is not used */
     union {
         struct cmsghdr head;
         char bytes[512];
@@ -343,7 +344,7 @@ bool udp_peer_is_in(const udp_peer *peer, const udp_net *net, size_t count)
     return false;
 }
 
-/* Of an interface that is up; false: it has no address of the internet. */
+/* Reads the network of an interface that is up. Returns false if it has no internet address. */
 static bool net_of(udp_net *out, const struct ifaddrs *interface)
 {
     const struct sockaddr *address = interface->ifa_addr, *mask = interface->ifa_netmask;
@@ -386,7 +387,7 @@ bool udp_is_own(const udp_peer *peer)
     return fd >= 0;
 }
 
-/* ---- who may send ---- */
+/* ---- the owner of one kind of data ---- */
 
 static const int64_t silence_ns = 1000000000;
 
@@ -442,7 +443,7 @@ bool udp_owner_admits_single(udp_owner *owner, const udp_peer *peer, int64_t now
     return true;
 }
 
-/* ---- datagrams to one place ---- */
+/* ---- datagrams to one receiver ---- */
 
 static const int64_t unheard_ns = 1000000000;
 
@@ -459,9 +460,10 @@ mrt_result udp_sender_open(udp_sender *self, const char *address, uint16_t port,
     self->port = port;
     self->refused_ns = 0;
     if (address[0] && !udp_address_parse(self->host_name, &self->port, address, strlen(address))) {
-        device_say(self->host, MRT_LOG_ERROR,
-                   "\"%.100s\" is no address to send to: expected HOST:PORT, as in 192.168.1.20:%u",
-                   address, (unsigned)port);
+        device_say(
+            self->host, MRT_LOG_ERROR,
+            "\"%.100s\" is not an address to send to: expected HOST:PORT, as in 192.168.1.20:%u",
+            address, (unsigned)port);
         return MRT_ERR_ARGUMENT;
     }
     self->socket = udp_connect(self->host_name, self->port, reason);
@@ -482,9 +484,9 @@ mrt_result udp_sender_send(udp_sender *self, const void *bytes, size_t size)
     int error = udp_send(self->socket, bytes, size);
     if (error == ECONNREFUSED)
         self->refused_ns = now_ns;
-    if (error == 0 || is_passing(error) || error == ENOBUFS) /* no room now, or nobody listens */
+    if (error == 0 || is_passing(error) || error == ENOBUFS) /* no space now, or no listener */
         return self->refused_ns && now_ns - self->refused_ns < unheard_ns ? MRT_TIMEOUT : MRT_OK;
-    device_say(self->host, MRT_LOG_ERROR, "nothing reaches %s port %u: %s", self->host_name,
+    device_say(self->host, MRT_LOG_ERROR, "cannot reach %s port %u: %s", self->host_name,
                (unsigned)self->port, strerror(error));
     return MRT_ERR_IO;
 }

@@ -30,7 +30,7 @@ static span span_trimmed(span s)
     return s;
 }
 
-/* Whether the word is one of those in a list with commas. */
+/* Returns true if the word is in the comma-separated list. */
 static bool span_lists(span s, const char *word, bool is_exact)
 {
     while (s.size > 0) {
@@ -55,7 +55,7 @@ static bool span_copy(span s, char *out, size_t capacity)
     return true;
 }
 
-/* The 16 bytes of a client's key. */
+/* Returns true if the text is 16 bytes in base64, the key of a client. */
 static bool is_key(span s)
 {
     struct base64_decode_ctx context;
@@ -71,7 +71,7 @@ typedef struct upgrade {
     bool connection, websocket, version, protocol;
 } upgrade;
 
-/* 0, or less the status. */
+/* Returns 0, or minus the status. */
 static int take_field(web_request *out, upgrade *up, span name, span value)
 {
     if (span_is(name, "Host")) {
@@ -95,7 +95,7 @@ static int take_field(web_request *out, upgrade *up, span name, span value)
             return -400;
     } else if (span_is(name, "Transfer-Encoding") ||
                (span_is(name, "Content-Length") && !span_is(value, "0"))) {
-        return -400; /* a body: nobody sends one */
+        return -400; /* reject a request with a body */
     }
     return 0;
 }

@@ -1,5 +1,5 @@
-/* gamepad.c - the plugin "org.marotte.gamepad": sticks, triggers and buttons of a pad as named
- * channels (pad.h), whichever window has the focus, any number of pads. The guide is
+/* gamepad.c - the plugin "org.marotte.gamepad": sticks, triggers and buttons of any number of
+ * gamepads as named channels (pad.h), even when another window has the focus. The guide is
  * plugins/devices/README.md. */
 #include "device_io.h"
 #include "pad.h"
@@ -18,23 +18,23 @@
 #include <time.h>
 #include <unistd.h>
 
-/* ---- Linux' input devices: which pads are plugged in, as /sys says without opening one, and one
- * of them opened for its events ---- */
+/* ---- Linux input devices: finds the connected pads in /sys without opening them, and opens one
+ * for its events ---- */
 
 enum { EVDEV_DEVICES = 16, EVDEV_NAME = 64, EVDEV_IDENTITY = 96 };
 
 typedef struct evdev_device {
     uint32_t number; /* of /dev/input/eventN */
     char node[32], name[EVDEV_NAME];
-    /* Where it is plugged in, or the address of its radio: stays when it comes again. */
+    /* USB port, or address of the radio: the same after reconnecting. */
     char identity[EVDEV_IDENTITY];
-    pad_model model; /* without the ends of axes */
+    pad_model model; /* without the ranges of the axes */
 } evdev_device;
 
 enum { PATH = 96, LINE = 512, FOLDER_CAP = 4096 };
 static const char folder[] = "/sys/class/input";
 
-/* A ',' begins parameters in an input's text: it is a blank. */
+/* Replaces ',' by a blank, because it begins parameters in the text of an input. */
 static void read_line(uint32_t number, const char *file, char *out, size_t capacity)
 {
     char path[PATH];
@@ -45,7 +45,7 @@ static void read_line(uint32_t number, const char *file, char *out, size_t capac
             *c = ' ';
 }
 
-/* "7cdb000000000000 0 0 0 0": words of a long each, the lowest last. */
+/* Parses "7cdb000000000000 0 0 0 0": words of the size of a long, the lowest last. */
 static void read_bits(uint32_t number, const char *file, uint8_t *out, size_t size)
 {
     char line[LINE];
@@ -101,7 +101,8 @@ static int compare_numbers(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Pads in the order in which they came, at most EVDEV_SEEN; returns how many. */
+/* Lists pads in the order in which they were connected, at most EVDEV_SEEN. Returns their
+ * number. */
 static uint32_t evdev_look(evdev_device out[EVDEV_DEVICES])
 {
     enum { NUMBERS = 256 };
@@ -120,9 +121,9 @@ static uint32_t evdev_look(evdev_device out[EVDEV_DEVICES])
     return count;
 }
 
-/* ---- one that is open ---- */
+/* ---- an open pad ---- */
 
-/* Where everything stands, as after lost events. False: the device is gone. */
+/* Reads the state of all controls, also after lost events. Returns false if the device was lost. */
 static bool evdev_read_state(int descriptor, const pad_model *model, pad_state *out)
 {
     memset(out, 0, sizeof *out);
@@ -137,8 +138,8 @@ static bool evdev_read_state(int descriptor, const pad_model *model, pad_state *
     return ioctl(descriptor, EVIOCGKEY(sizeof out->key), out->key) >= 0;
 }
 
-/* Completes the model, reads where everything stands. -1 and errno. Events are stamped by the
- * monotonic clock. Several programs may have a pad open. */
+/* Opens a pad, completes its model and reads its state. Returns -1 and errno on failure. Events
+ * have times of the monotonic clock. Several programs can have a pad open. */
 static int evdev_open(evdev_device *device, pad_state *out_state)
 {
     const int clock = CLOCK_MONOTONIC;
@@ -160,7 +161,7 @@ static int evdev_open(evdev_device *device, pad_state *out_state)
     return -1;
 }
 
-/* How many events have come: 0 none; -1: the device is gone. */
+/* Returns the number of events read; 0: none; -1: the device was lost. */
 static int evdev_read(int descriptor, struct input_event *out, uint32_t capacity)
 {
     ssize_t size = read(descriptor, out, capacity * sizeof *out);
@@ -175,31 +176,31 @@ enum { PARAM_DEAD, PARAM_COUNT };
 enum { EVENTS = 64 };
 
 static const int64_t ns_per_s = 1000000000;
-/* What has not changed is said again so often that silence means trouble. */
+/* An unchanged state is repeated at this interval, so that silence shows a fault. */
 static const int64_t repeat_ns = 1000000000;
 
 struct mrt_plugin {
     const mrt_host *host;
     int descriptor;                /* -1: closed */
     char address[192];             /* as opened */
-    char identity[EVDEV_IDENTITY]; /* of the pad that this address has meant; "" none yet */
+    char identity[EVDEV_IDENTITY]; /* the pad first found at this address; "": none yet */
     evdev_device pad;
     pad_state state;
     trace trace;
     mrt_channel channel[PAD_CHANNELS];
 
-    struct input_event event[EVENTS]; /* that have come */
+    struct input_event event[EVENTS]; /* received and unread */
     uint32_t event_count, event_at;
-    bool has_dropped; /* the system has: what follows up to a report is of no use */
+    bool has_dropped; /* the system lost events: those up to the next report are useless */
     bool is_lost, has_told_loss, is_due;
     int64_t host_offset_ns, last_ns, repeat_due_ns;
     uint32_t sequence;
     float given[PAD_CHANNELS];
 };
 
-/* ---- which pad ---- */
+/* ---- choosing the pad ---- */
 
-/* "" the first, "2" the second, else an identity or a node. */
+/* "": the first, "2": the second, else an identity or a node. */
 static bool is_wanted(const mrt_plugin *self, const evdev_device *device, uint32_t index)
 {
     char *end;
@@ -214,7 +215,7 @@ static bool is_wanted(const mrt_plugin *self, const evdev_device *device, uint32
 static const char *advice(int error)
 {
     if (error == EACCES || error == EPERM)
-        return "you may not read it: sudo adduser $USER input, then log in again";
+        return "you have no permission to read it: run sudo adduser $USER input, then log in again";
     return "plug it in again";
 }
 
@@ -229,18 +230,18 @@ static void input_close(mrt_plugin *self)
     self->descriptor = -1;
 }
 
-static mrt_result say_absent(const mrt_plugin *self, uint32_t count)
+static mrt_result report_absent(const mrt_plugin *self, uint32_t count)
 {
     if (self->identity[0])
-        device_say(self->host, MRT_LOG_ERROR, "the gamepad at %.90s is not there: plug it in again",
-                   self->identity);
+        device_say(self->host, MRT_LOG_ERROR,
+                   "the gamepad at %.90s is not connected: plug it in again", self->identity);
     else if (self->address[0])
         device_say(self->host, MRT_LOG_ERROR,
-                   "no gamepad is \"%.60s\", of %u that are plugged in: plug it in, or see what "
-                   "there is with: marotte devices",
+                   "no gamepad matches \"%.60s\" (%u connected): plug it in, or list the devices "
+                   "with: marotte devices",
                    self->address, count);
     else
-        device_say(self->host, MRT_LOG_ERROR, "no gamepad is plugged in: plug one in");
+        device_say(self->host, MRT_LOG_ERROR, "no gamepad found: plug one in");
     return MRT_ERR_IO;
 }
 
@@ -257,7 +258,7 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
     while (at < count && !is_wanted(self, &device[at], at))
         at += 1;
     if (at == count)
-        return say_absent(self, count);
+        return report_absent(self, count);
     self->pad = device[at];
     self->descriptor = evdev_open(&self->pad, &self->state);
     if (self->descriptor < 0) {
@@ -271,7 +272,7 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
     self->has_dropped = self->is_lost = self->has_told_loss = false;
     self->host_offset_ns = device_clock_host_offset_ns(self->host);
     self->last_ns = self->host->now_ns(self->host);
-    self->is_due = true; /* where everything stands now */
+    self->is_due = true; /* current state of all controls */
     return MRT_OK;
 }
 
@@ -302,7 +303,7 @@ static mrt_result give(mrt_plugin *self, const double *params, int64_t time_ns, 
     return MRT_OK;
 }
 
-/* Buttons are let go; sticks and triggers stay where they were, as a hand does. */
+/* Releases the buttons; sticks and triggers keep their position. */
 static mrt_result lose(mrt_plugin *self, mrt_sample *out)
 {
     bool is_any_down = false;
@@ -319,8 +320,8 @@ static mrt_result lose(mrt_plugin *self, mrt_sample *out)
         return MRT_OK;
     }
     if (!self->has_told_loss)
-        device_say(self->host, MRT_LOG_ERROR, "%.60s went away: plug it in again, or switch it on",
-                   self->pad.name);
+        device_say(self->host, MRT_LOG_ERROR,
+                   "%.60s was disconnected: plug it in again, or switch it on", self->pad.name);
     self->has_told_loss = true;
     return MRT_ERR_IO;
 }
@@ -331,7 +332,7 @@ static int64_t time_of(const mrt_plugin *self, const struct input_event *event)
            self->host_offset_ns;
 }
 
-/* True: a report is whole. */
+/* Returns true if a report is complete. */
 static bool take_event(mrt_plugin *self, const struct input_event *event)
 {
     if (event->type == EV_SYN && event->code == SYN_DROPPED) {
@@ -352,7 +353,7 @@ static bool take_event(mrt_plugin *self, const struct input_event *event)
     return true;
 }
 
-/* The next sample of what has come; false: there is none any more. */
+/* Returns the next sample from the received events. Returns false if there are no more. */
 static bool give_event(mrt_plugin *self, const double *params, mrt_sample *out)
 {
     while (self->event_at < self->event_count) {
@@ -466,8 +467,8 @@ static void destroy(mrt_plugin *self)
 
 static const mrt_param params_table[PARAM_COUNT] = {
     [PARAM_DEAD] = {1, 0, "dead", "Gamepad", "%",
-                    "How far a stick or trigger may stand from its rest and still be at rest", 0,
-                    50, 12, NULL},
+                    "Range around the rest of a stick or trigger that counts as rest", 0, 50, 12,
+                    NULL},
 };
 
 static const mrt_input input = {input_open, input_channels, input_read, input_close, 0};
@@ -483,7 +484,8 @@ static const mrt_plugin_type type = {
     "org.marotte.gamepad",
     "Gamepad",
     MAROTTE_VERSION,
-    "Sticks, triggers and buttons, whichever window has the focus; address 2: the second pad",
+    "Sticks, triggers and buttons, even when another window has the focus; address 2: the second "
+    "gamepad",
     create,
     destroy,
 };

@@ -43,7 +43,7 @@ void pad_set_key(pad_state *state, uint16_t code, bool is_down)
         state->key[code / 8] &= (uint8_t)~bit;
 }
 
-/* 0 at the low end, 1 at the high one; NAN: there is no such axis. */
+/* Returns 0 at the low end, 1 at the high one; NAN if the axis does not exist. */
 static float share_of(const pad_model *model, const pad_state *state, uint16_t code)
 {
     const pad_axis *axis = &model->axis[code];
@@ -59,7 +59,7 @@ static float key_of(const pad_state *state, uint16_t code)
     return has_bit(state->key, code) ? 1.0f : 0.0f;
 }
 
-/* Linux counts down as positive. */
+/* Linux uses positive values for down. */
 static void read_stick(const pad_model *model, const pad_state *state, uint16_t x_code,
                        uint16_t y_code, float dead, float out[2])
 {
@@ -94,9 +94,9 @@ static float read_cross(const pad_model *model, const pad_state *state, uint16_t
     return share < 0.25f ? -1.0f : share > 0.75f ? 1.0f : 0.0f;
 }
 
-/* Which axes the right stick and the triggers are on differs: drivers of pads with two sticks have
- * either RX and RY for the stick, then Z and RZ are triggers; or Z and RZ, then GAS and BRAKE are.
- */
+/* Drivers differ in the axes of the right stick and the triggers. Pads with two sticks use either
+ * RX and RY for the stick and Z and RZ for the triggers, or Z and RZ for the stick and GAS and
+ * BRAKE for the triggers. */
 void pad_read(const pad_model *model, const pad_state *state, float dead, float out[PAD_CHANNELS])
 {
     static const uint16_t microsoft = 0x045e;
@@ -115,11 +115,12 @@ void pad_read(const pad_model *model, const pad_state *state, float dead, float 
     out[PAD_CROSS_Y] = -read_cross(model, state, ABS_HAT0Y, BTN_DPAD_UP, BTN_DPAD_DOWN);
     for (uint32_t i = 0; i < sizeof button / sizeof *button; ++i)
         out[button[i][0]] = key_of(state, button[i][1]);
-    /* The letters X and Y stand where others have west and north, and Linux goes by the letters. */
+    /* On these pads X is the west button and Y the north one. Linux assigns the codes by letter,
+     * and there BTN_X means north and BTN_Y west. */
     const bool is_lettered = model->vendor == microsoft;
     out[PAD_WEST] = key_of(state, is_lettered ? BTN_X : BTN_WEST);
     out[PAD_NORTH] = key_of(state, is_lettered ? BTN_Y : BTN_NORTH);
-    /* A joystick numbers its buttons from the trigger on. */
+    /* The buttons of a joystick are numbered starting at the trigger. */
     for (uint16_t i = 0; is_joystick && i < PAD_CHANNELS - PAD_BUTTONS; ++i)
         out[PAD_BUTTONS + i] = key_of(state, (uint16_t)(BTN_TRIGGER + i));
 }

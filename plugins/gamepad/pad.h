@@ -1,6 +1,6 @@
-/* gamepad/pad.h - what a gamepad's events mean: Linux' codes of axes and buttons (linux/input.h)
- * become named channels from a table that is the same for every pad. Pure functions on one struct;
- * no allocation. Leaves out where events come from. */
+/* gamepad/pad.h - meaning of a gamepad's events: maps Linux codes of axes and buttons
+ * (linux/input.h) to named channels, which are the same for every pad. Pure functions on one
+ * struct; no allocation. Leaves out the source of the events. */
 #ifndef PLUGINS_GAMEPAD_PAD_H
 #define PLUGINS_GAMEPAD_PAD_H
 #include <stdbool.h>
@@ -15,7 +15,7 @@ typedef enum pad_channel {
     PAD_RIGHT_TRIGGER,
     PAD_CROSS_X, /* -1, 0, 1 */
     PAD_CROSS_Y,
-    PAD_BUTTONS, /* from here on 0 or 1 */
+    PAD_BUTTONS, /* this and all later ones: 0 or 1 */
     PAD_SOUTH = PAD_BUTTONS,
     PAD_EAST,
     PAD_WEST,
@@ -37,14 +37,15 @@ typedef struct pad_axis {
     int32_t low, high;
 } pad_axis;
 
-/* What a device says that it has. */
+/* Axes and buttons that a device reports. */
 typedef struct pad_model {
     uint16_t vendor;
     pad_axis axis[PAD_AXES];
     uint8_t key[PAD_KEYS / 8]; /* bit n: code n */
 } pad_model;
 
-/* A pad or joystick: neither mouse, keyboard, tablet nor a pad's motion sensor. */
+/* Returns true for a pad or joystick, false for a mouse, keyboard, tablet or a pad's motion
+ * sensor. */
 bool pad_is_pad(const pad_model *model);
 
 typedef struct pad_state {
@@ -52,11 +53,11 @@ typedef struct pad_state {
     uint8_t key[PAD_KEYS / 8];
 } pad_state;
 
-/* Codes that are out of range change nothing. */
+/* Ignores codes out of range. */
 void pad_set_axis(pad_state *state, uint16_t code, int32_t value);
 void pad_set_key(pad_state *state, uint16_t code, bool is_down);
-/* dead: radius of a stick, and length of a trigger, within which it rests: 0..0.9. Beyond it the
- * value begins at 0 and still reaches the end. */
+/* Writes the channel values. dead: radius of a stick, or length of a trigger, that counts as rest:
+ * 0..0.9. Beyond it the value starts at 0 and still reaches the end. */
 void pad_read(const pad_model *model, const pad_state *state, float dead, float out[PAD_CHANNELS]);
 
 #endif

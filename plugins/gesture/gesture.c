@@ -1,5 +1,5 @@
-/* Four hand gestures, shown once each, set off what a face can do: a blink, a nod, a smile. The
- * nearest of the taught ones is recognised when the hand has held it for a moment. */
+/* Mapping: four learned hand gestures trigger actions of the face, such as a blink, a nod or a
+ * smile. It recognises the nearest gesture when the hand has held it for a moment. */
 #include "expressions.h"
 #include "mapping.h"
 
@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- which of the taught gestures a hand makes: the nearest one, when the hand has held it for a
- * moment; and how a hand was held lately, to teach it. + - * / and sqrt alone ---- */
+/* ---- recogniser: finds the nearest learned gesture when the hand has held it for a moment, and
+ * keeps the recent hand poses for teaching. + - * / and sqrt only ---- */
 
 enum { GESTURES = 4, NO_GESTURE = GESTURES, RECOGNISER_WINDOW = 64 };
 
@@ -18,12 +18,12 @@ typedef struct centroid {
 
 typedef struct recogniser {
     centroid taught[GESTURES];
-    float past[RECOGNISER_WINDOW][MRT_ANGLES]; /* a ring of samples */
+    float past[RECOGNISER_WINDOW][MRT_ANGLES]; /* ring of samples */
     double past_s[RECOGNISER_WINDOW];          /* of each */
-    unsigned at, filled;                       /* the next to be written; how many are */
+    unsigned at, filled;                       /* next index to write; number of samples */
     double now_s;                              /* since reset */
     unsigned current, candidate;               /* gestures; NO_GESTURE: none */
-    double candidate_s;                        /* how long it has been held */
+    double candidate_s;                        /* time for which it has been held */
 } recogniser;
 
 /* For a memory_list. */
@@ -34,17 +34,17 @@ typedef struct recogniser {
         MEMORY_WHOLES((of).current, NO_GESTURE), MEMORY_WHOLES((of).candidate, NO_GESTURE),        \
         MEMORY_DOUBLES((of).candidate_s)
 
-/* What is taught is the mean of the last 0.3 s: samples at least 5 ms apart. */
+/* Teaching stores the mean of the last 0.3 s, from samples at least 5 ms apart. */
 static const double window_s = 0.3, apart_s = 0.005;
-/* Thumb, palm and spreading move less far than fingers bend; what is estimated (the distal joints)
- * and the wrist do not count. */
+/* Weights: thumb, palm and spread move less than the bend of fingers. Estimated angles (distal
+ * joints) and the wrist do not count. */
 static const double weight[MRT_ANGLES] = {1, 1.5, 1.5, 1.5, 1, 1, 0, 1,   1, 0, 1.5,
                                           1, 1,   0,   1.5, 1, 1, 0, 1.5, 1, 0, 0};
 enum { COUNTED = 16 };
 static const double deg_per_rad = 57.295779513082321;
 
-/* Until another is taught: a fist, a pointing index finger, a flat spread hand, a hand whose ring
- * and little fingers alone are stretched. */
+/* Default gestures: a fist, a pointing index finger, a flat spread hand, a hand with only ring and
+ * little finger stretched. */
 static const centroid shipped[GESTURES] = {
     {{1.90f, 0.19f, 0.59f, 0.66f,  1.26f, 1.68f, 0, 1.35f,  1.75f, 0, -0.04f,
       1.39f, 1.81f, 0,     -0.04f, 1.36f, 1.75f, 0, -0.05f, 0.13f, 0, 0}},
@@ -63,7 +63,7 @@ static void recogniser_reset(recogniser *self, const centroid taught[GESTURES])
     self->current = self->candidate = NO_GESTURE;
 }
 
-/* How the hand was held lately; false: it was not there. */
+/* Computes the mean of the recent hand poses. Returns false if there was no hand. */
 static bool find_mean(const recogniser *self, centroid *out)
 {
     double sum[MRT_ANGLES] = {0.0}, count = 0.0;
@@ -80,7 +80,7 @@ static bool find_mean(const recogniser *self, centroid *out)
     return count > 0.0;
 }
 
-/* Once per frame, first; hand: NULL while it is away. */
+/* Call first in each frame; hand: NULL if not present. */
 static void recogniser_watch(recogniser *self, const mrt_hand *hand, double dt_s)
 {
     self->now_s += dt_s;
@@ -95,8 +95,8 @@ static void recogniser_watch(recogniser *self, const mrt_hand *hand, double dt_s
     }
 }
 
-/* The gesture is the way in which the hand was held in the last 0.3 s. As it is being made it does
- * not begin until it is made again. False: there was no hand. */
+/* Learns the gesture from the hand pose of the last 0.3 s. The gesture is being made now, so it
+ * only begins when it is made again. Returns false if there was no hand. */
 static bool recogniser_teach(recogniser *self, unsigned gesture)
 {
     centroid now;
@@ -107,7 +107,7 @@ static bool recogniser_teach(recogniser *self, unsigned gesture)
     return true;
 }
 
-/* Root mean square over the joints, deg. */
+/* Returns the root mean square over the joints, deg. */
 static double distance_deg(const centroid *to, const mrt_hand *hand)
 {
     double sum = 0.0;
@@ -166,15 +166,16 @@ enum {
 typedef enum phase { QUIET = 0, RISING, HOLDING, FALLING } phase;
 typedef struct envelopes { /* of each expression */
     phase phase[EXPRESSION_COUNT];
-    double progress[EXPRESSION_COUNT];                      /* 0 .. 1 of the phase */
-    double from[EXPRESSION_COUNT], level[EXPRESSION_COUNT]; /* at its beginning; now: 0 .. 1 */
-    unsigned gesture[EXPRESSION_COUNT];                     /* that set it off */
+    double progress[EXPRESSION_COUNT]; /* progress of the phase, 0 .. 1 */
+    double from[EXPRESSION_COUNT],
+        level[EXPRESSION_COUNT];        /* level at the start of the phase, and now: 0 .. 1 */
+    unsigned gesture[EXPRESSION_COUNT]; /* gesture that triggered it */
 } envelopes;
 
 struct mrt_plugin {
     const mrt_host *host;
     expressions expressions;
-    centroid stored[GESTURES]; /* shipped or loaded: what a reset returns to */
+    centroid stored[GESTURES]; /* default or loaded gestures: restored by a reset */
     recogniser recogniser;
     envelopes play;
 };
@@ -205,8 +206,8 @@ static mrt_result activate(mrt_plugin *self, const mrt_face *face)
 
 static void teach(mrt_plugin *self, const double *params)
 {
-    static const char *const told[GESTURES] = {"gesture 1 is taught", "gesture 2 is taught",
-                                               "gesture 3 is taught", "gesture 4 is taught"};
+    static const char *const told[GESTURES] = {"gesture 1 learned", "gesture 2 learned",
+                                               "gesture 3 learned", "gesture 4 learned"};
     recogniser *r = &self->recogniser;
     if (params[FORGET] > 0.5)
         memcpy(r->taught, shipped, sizeof r->taught);
@@ -217,7 +218,7 @@ static void teach(mrt_plugin *self, const double *params)
             self->host->log(self->host, MRT_LOG_INFO, told[g]);
         else
             self->host->log(self->host, MRT_LOG_WARNING,
-                            "no hand is there to be taught: hold the gesture, then teach it");
+                            "no hand detected: hold the gesture, then press Teach");
     }
 }
 
@@ -270,7 +271,7 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     return MRT_OK;
 }
 
-/* ---- what was taught, kept ---- */
+/* ---- storing the gestures ---- */
 
 static memory_list list_of(centroid all[GESTURES])
 {
@@ -290,7 +291,7 @@ static mrt_result load_taught(mrt_plugin *self, const void *bytes, size_t size)
     const memory_list list = list_of(self->stored);
     if (!memory_load(&list, bytes, size)) {
         self->host->log(self->host, MRT_LOG_ERROR,
-                        "what was stored are no gestures: teach them again");
+                        "the stored gestures are damaged: teach them again");
         return MRT_ERR_FORMAT;
     }
     memcpy(self->recogniser.taught, self->stored, sizeof self->stored);
@@ -337,13 +338,12 @@ static const char *const action_labels[EXPRESSION_COUNT + 1] = {
 #define TEACH_PARAM(id, name, what)                                                                \
     {                                                                                              \
         id, MRT_PARAM_TRIGGER, name, "Teach", "",                                                  \
-            "This gesture is the way in which the hand was held in the last 0.3 s; at "            \
-            "first: " what ".",                                                                    \
-            0, 1, 0, NULL                                                                          \
+            "Learn this gesture from the hand pose of the last 0.3 s. Default: " what ".", 0, 1,   \
+            0, NULL                                                                                \
     }
 #define ACTION_PARAM(id, name, initial)                                                            \
     {                                                                                              \
-        id, MRT_PARAM_STEPPED, name, "Action", "", "What the face does when it is made.", 0,       \
+        id, MRT_PARAM_STEPPED, name, "Action", "", "Action of the face for this gesture.", 0,      \
             EXPRESSION_COUNT - 1, initial, action_labels                                           \
     }
 
@@ -354,24 +354,24 @@ static const mrt_param params[PARAM_COUNT] = {
     TEACH_PARAM(3, "Teach 2", "a pointing index finger"),
     TEACH_PARAM(4, "Teach 3", "a flat hand, spread"),
     TEACH_PARAM(5, "Teach 4", "ring and little finger stretched"),
-    {6, MRT_PARAM_TRIGGER, "Forget", "Teach", "", "All gestures are as they were at first.",
+    {6, MRT_PARAM_TRIGGER, "Forget", "Teach", "", "Reset all gestures to their defaults.",
      0, 1, 0, NULL},
     ACTION_PARAM(7, "Gesture 1", EXPRESSION_JAW_OPEN),
     ACTION_PARAM(8, "Gesture 2", EXPRESSION_BROWS_UP),
     ACTION_PARAM(9, "Gesture 3", EXPRESSION_SMILE),
     ACTION_PARAM(10, "Gesture 4", EXPRESSION_BLINK),
-    {11, 0, "Attack", "Action", "s", "How long it takes to come.", 0.01, 3, 0.15, NULL},
-    {12, 0, "Hold", "Action", "s", "How long it stays.", 0.01, 10, 0.2, NULL},
-    {13, 0, "Release", "Action", "s", "How long it takes to go.", 0.01, 5, 0.35, NULL},
+    {11, 0, "Attack", "Action", "s", "Time in which the action fades in.", 0.01, 3, 0.15, NULL},
+    {12, 0, "Hold", "Action", "s", "Time for which the action stays.", 0.01, 10, 0.2, NULL},
+    {13, 0, "Release", "Action", "s", "Time in which the action fades out.", 0.01, 5, 0.35, NULL},
     {14, MRT_PARAM_STEPPED, "Sustain", "Action", "",
-     "Whether it stays for as long as the gesture is held.", 0, 1, 1, off_on},
-    {15, 0, "Amount", "Action", "%", "How much of it.", 0, 120, 100, NULL},
+     "Keep the action while the gesture is held.", 0, 1, 1, off_on},
+    {15, 0, "Amount", "Action", "%", "Strength of the action.", 0, 120, 100, NULL},
     {16, 0, "Reject", "Recognition", "deg",
-     "A hand further from a gesture than this does not make it: root mean square of its joints.",
+     "Largest distance from a gesture that still makes it: root mean square of the joint angles.",
      1, 40, 8, NULL},
     {17, 0, "Leave", "Recognition", "deg",
-     "A hand further from its gesture than this has left it.", 1, 60, 10, NULL},
-    {18, 0, "Dwell", "Recognition", "s", "How long a gesture is held before it counts.",
+     "Distance from a gesture at which it ends.", 1, 60, 10, NULL},
+    {18, 0, "Dwell", "Recognition", "s", "Time for which a gesture must be held before it counts.",
      0, 2, 0.1, NULL},
 };
 /* clang-format on */
@@ -392,7 +392,7 @@ static const mrt_plugin_type type = {
     "org.marotte.gesture",
     "Gesture",
     "1.0",
-    "Taught gestures of the hand set off a blink, a nod, a smile.",
+    "Learned hand gestures trigger a blink, a nod or a smile.",
     create,
     mapping_destroy,
 };

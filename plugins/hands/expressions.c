@@ -10,8 +10,8 @@ const char *const expression_names[EXPRESSION_COUNT + 1] = {
     "Neutral", "Smile", "Frown", "Jaw open", "Brows up", "Brows down",
     "Pucker",  "Blink", "Wink",  "Nod",      NULL};
 
-/* For a head 240 mm high, mm; out: away from the midline. Neighbours go along in part: a contact
- * that is not pulled along holds its place. "x.*": both x.l and x.r. */
+/* Movements for a head 240 mm high, in mm; out: away from the midline. Neighbouring contacts follow
+ * in part, because a contact that is not pulled holds its place. "x.*": both x.l and x.r. */
 static const struct pull_part {
     expression expression;
     const char *contact;
@@ -47,7 +47,7 @@ static const struct pull_part {
     {EXPRESSION_PUCKER, "cheek.lower.*", -2.8f, 0, 1},
 };
 
-/* Of the way from rest to the end of the range that is meant. */
+/* Share of the range from rest to the end in that direction. */
 static const struct turn_part {
     expression expression;
     const char *dof;
@@ -70,7 +70,8 @@ static const struct turn_part {
 
 /* ---- finding ---- */
 
-/* 1: the subject's left, -1: right, 0: it has no side; false: another name. */
+/* Compares a name with a pattern. side: 1: the subject's left, -1: right, 0: none. Returns false if
+ * the name does not match. */
 static bool is_named(const char *name, const char *pattern, float *out_side)
 {
     size_t length = strlen(pattern);
@@ -84,7 +85,7 @@ static bool is_named(const char *name, const char *pattern, float *out_side)
     return true;
 }
 
-/* The face's contact as one of the expressions'; EXPRESSIONS_CONTACTS_MAX: there is no room. */
+/* Returns the slot of the face's contact; EXPRESSIONS_CONTACTS_MAX if full. */
 static uint32_t contact_slot(expressions *self, const mrt_face *face, uint32_t contact)
 {
     uint32_t slot = 0;
@@ -168,8 +169,8 @@ bool expressions_find(expressions *out, const mrt_face *face, const mrt_host *ho
         find_turns(out, face, &turn_parts[i]);
     if (out->contact_count + out->dof_count == 0) {
         host->log(host, MRT_LOG_ERROR,
-                  "the face has no contact and no degree of freedom to make a face with "
-                  "(mouth.corner.l, jaw.open ...): take a face with a rig, see rigs/README.md");
+                  "the face has no contact or degree of freedom for expressions (mouth.corner.l, "
+                  "jaw.open ...): open a face with a rig, see rigs/README.md");
         return false;
     }
     report_missing(out, host);

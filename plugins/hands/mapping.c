@@ -31,10 +31,10 @@ void mapping_pull(mrt_pull *pull, const mrt_vector *vector, uint32_t count, floa
     pull->leak_per_s = 0.0f;
 }
 
-/* ---- what is remembered ---- */
+/* ---- saved state ---- */
 
-/* FNV-1a of the type's id, version, size of the body; the body; FNV-1a of all that, the id first.
- */
+/* Format: FNV-1a of the type's id, version, size of the body; the body; FNV-1a of all of that,
+ * beginning with the id. */
 enum { HEAD = 16, SUM = 8 };
 _Static_assert(sizeof(int) == 4 && sizeof(bool) == 1 && sizeof(memory_kind) == 4, "stored so");
 
@@ -56,7 +56,7 @@ static size_t size_of(memory_kind kind)
     return kind == MEMORY_BOOL ? 1 : kind == MEMORY_DOUBLE ? 8 : 4;
 }
 
-/* NULL behind the last one. */
+/* Returns NULL after the last part. */
 static const memory_part *part_of(const memory_list *list, uint32_t i)
 {
     return i < MEMORY_PARTS_MAX && list->parts[i].at ? &list->parts[i] : NULL;
@@ -102,7 +102,7 @@ static bool is_value_allowed(const memory_part *part, const unsigned char *at)
     return value >= -part->most && value <= part->most;
 }
 
-/* Whether the variable may hold what is there. */
+/* Returns true if the variable may have the value in the bytes. */
 static bool is_allowed(const memory_part *part, const void *there)
 {
     const unsigned char *at = there;
@@ -175,7 +175,7 @@ void clutch_reset(clutch *self)
     *self = (clutch){0};
 }
 
-/* True in the frame in which the pedal goes down. */
+/* Returns true in the frame in which the pedal goes down. */
 static bool is_pressed(const clutch *self, const mrt_frame *frame, double pedal)
 {
     int number = (int)pedal - 1;
@@ -212,7 +212,7 @@ float clutch_release_rate(const double *params)
     return (float)(3.0 / params[CLUTCH_RELEASE_TIME]);
 }
 
-/* ---- how a hand is held ---- */
+/* ---- the pose of a hand ---- */
 
 const char *const performing_hand_labels[] = {"Either", "Left", "Right", NULL};
 

@@ -1,7 +1,7 @@
-/* hands/mapping.h - what every mapping of this program does alike: the ends of an instance and its
- * anchored pull; when hands take hold of a face and let go (the clutch); how a hand is held, for
- * those that go by joint angles; and what an instance remembers, as bytes. Leaves out where hands
- * stand (placement.h). [frame] unless said otherwise. */
+/* hands/mapping.h - common part of this program's mappings: destroying an instance, its anchored
+ * pull, the clutch (when hands engage and release a face), the pose of a hand for mappings by joint
+ * angles, and saving an instance as bytes. Leaves out the placement of hands (placement.h). [frame]
+ * unless noted. */
 #ifndef MAROTTE_PLUGINS_HANDS_MAPPING_H
 #define MAROTTE_PLUGINS_HANDS_MAPPING_H
 #include <marotte/plugin.h>
@@ -9,11 +9,11 @@
 #include <float.h>
 
 /* For mrt_plugin_type and mrt_mapping. [main] */
-void mapping_destroy(mrt_plugin *self);    /* of one calloc */
-void mapping_deactivate(mrt_plugin *self); /* nothing was allocated for the face */
+void mapping_destroy(mrt_plugin *self);    /* for an instance that is one calloc */
+void mapping_deactivate(mrt_plugin *self); /* for a mapping that allocates nothing per face */
 
-/* The pull is anchored, with these vectors. Its anchor changes only where one begins elsewhere, or
- * pulls another contact, than before. radius_mm: 0 as the rig says. */
+/* Writes an anchored pull with these vectors. Changes its anchor only if a vector starts elsewhere,
+ * or pulls another contact, than before. radius_mm: 0: the rig's value. */
 void mapping_pull(mrt_pull *pull, const mrt_vector *vector, uint32_t count, float radius_mm);
 
 /* ---- vectors ---- */
@@ -34,9 +34,9 @@ static inline mrt_vec3 vec_sum(mrt_vec3 a, float times, mrt_vec3 b)
     return (mrt_vec3){a.x + times * b.x, a.y + times * b.y, a.z + times * b.z};
 }
 
-/* ---- what is remembered, for MRT_RESUME: each variable with what it may hold, so that one list
- * serves both ways. The bytes name the plugin type and carry a sum; whatever else comes changes
- * nothing. Leaves out what depends on several variables together. Little-endian. ---- */
+/* ---- saved state, for MRT_RESUME: a list of variables with their allowed values, used for saving
+ * and loading. The bytes contain the plugin type and a checksum; any other bytes are rejected
+ * without a change. Leaves out conditions on several variables together. Little-endian. ---- */
 
 typedef enum memory_kind {
     MEMORY_BOOL = 0, /* bool */
@@ -47,12 +47,13 @@ typedef enum memory_kind {
 
 typedef struct memory_part {
     memory_kind kind;
-    void *at; /* NULL: the list is over */
+    void *at; /* NULL: end of the list */
     size_t size;
     double most;
 } memory_part;
 
-/* A variable, an array or a struct of nothing else (mrt_vec3: three floats); numbers: finite. */
+/* A variable, an array, or a struct of one type (mrt_vec3: three floats). Numbers must be
+ * finite. */
 /* clang-format off */
 #define MEMORY_BOOLS(variable)        {MEMORY_BOOL, &(variable), sizeof(variable), 1.0}
 #define MEMORY_WHOLES(variable, most) {MEMORY_WHOLE, &(variable), sizeof(variable), (double)(most)}
@@ -67,17 +68,18 @@ typedef struct memory_list {
     memory_part parts[MEMORY_PARTS_MAX];
 } memory_list;
 
-/* out may be NULL: the size it takes. Writes nothing when capacity is less. 0: a variable holds
- * what it may not, such as a number that is none. */
+/* Returns the size; out may be NULL. Writes nothing if capacity is smaller. Returns 0 if a variable
+ * has a value that is not allowed, such as NaN. */
 size_t memory_save(const memory_list *list, void *out, size_t capacity);
-/* False: not bytes of such a list, or a value that it may not hold; nothing is changed. */
+/* Returns false, without a change, if the bytes are not of such a list or have a value that is not
+ * allowed. */
 bool memory_load(const memory_list *list, const void *bytes, size_t size);
 
-/* FNV-1a, gone on with: begins with MEMORY_SUM_START. */
+/* Continues an FNV-1a hash; begin with MEMORY_SUM_START. */
 #define MEMORY_SUM_START UINT64_C(0xcbf29ce484222325)
 uint64_t memory_sum(uint64_t sum, const void *bytes, size_t size);
 
-/* MRT_RESUME of a mapping, called `resume`: `list_of(self)` names all that it remembers. */
+/* Defines `resume`, the MRT_RESUME of a mapping. `list_of(self)` lists its saved variables. */
 #define MEMORY_RESUME(list_of)                                                                     \
     static size_t resume_save(mrt_plugin *self, void *out, size_t capacity)                        \
     {                                                                                              \
@@ -91,12 +93,12 @@ uint64_t memory_sum(uint64_t sum, const void *bytes, size_t size);
     }                                                                                              \
     static const mrt_resume resume = {resume_save, resume_load}
 
-/* ---- the clutch: when the hands take hold of a face, let go of it, and keep what they made, by
- * the triggers and pedals of mappings that engage, release and commit ---- */
+/* ---- the clutch: engages and releases the hands and commits the shape, by the triggers and pedals
+ * of mappings ---- */
 
-/* The parameters, in this order, behind the placement's; ids 20 to 28. */
+/* The parameters in this order, after those of the placement; ids 20 to 28. */
 enum {
-    CLUTCH_START = 0, /* engage at once, or wait for the trigger */
+    CLUTCH_START = 0, /* engage immediately, or wait for the trigger */
     CLUTCH_ENGAGE,
     CLUTCH_RELEASE,
     CLUTCH_COMMIT,
@@ -110,17 +112,17 @@ enum {
 extern const char *const clutch_start_labels[];
 extern const char *const clutch_pedal_labels[];
 extern const char *const clutch_release_labels[];
-/* CLUTCH_PARAMS with another initial value of what comes on release. */
+/* CLUTCH_PARAMS with another initial value of "On release". */
 /* clang-format off */
 #define CLUTCH_PARAMS CLUTCH_PARAMS_WITH(0)
 #define CLUTCH_PARAMS_WITH(on_release) \
-    {20, MRT_PARAM_STEPPED, "Start", "Clutch", "", "When the hands first take hold of the face.", \
+    {20, MRT_PARAM_STEPPED, "Start", "Clutch", "", "When the hands first engage the face.", \
      0, 1, 0, clutch_start_labels}, \
     {21, MRT_PARAM_TRIGGER, "Engage", "Clutch", "", \
-     "Takes hold where the hands are now; the face does not jump.", 0, 1, 0, NULL}, \
-    {22, MRT_PARAM_TRIGGER, "Release", "Clutch", "", "Lets go of the face.", 0, 1, 0, NULL}, \
+     "Engage the hands where they are now. The face does not jump.", 0, 1, 0, NULL}, \
+    {22, MRT_PARAM_TRIGGER, "Release", "Clutch", "", "Release the face.", 0, 1, 0, NULL}, \
     {23, MRT_PARAM_TRIGGER, "Commit", "Clutch", "", \
-     "Keeps the shape shown as the new base, and takes hold anew.", 0, 1, 0, NULL}, \
+     "Keep the current shape as the new base and engage again.", 0, 1, 0, NULL}, \
     {24, MRT_PARAM_STEPPED, "Engage pedal", "Clutch", "", "Pedal that engages.", \
      0, 4, 0, clutch_pedal_labels}, \
     {25, MRT_PARAM_STEPPED, "Release pedal", "Clutch", "", "Pedal that releases.", \
@@ -128,9 +130,9 @@ extern const char *const clutch_release_labels[];
     {26, MRT_PARAM_STEPPED, "Commit pedal", "Clutch", "", "Pedal that commits.", \
      0, 4, 0, clutch_pedal_labels}, \
     {27, MRT_PARAM_STEPPED, "On release", "Clutch", "", \
-     "Hold: the face stays as it is. Spring back: it eases back to its base.", \
+     "Hold: the face keeps its shape. Spring back: it eases back to its base.", \
      0, 1, on_release, clutch_release_labels}, \
-    {28, 0, "Release time", "Clutch", "s", "How long springing back takes.", 0.02, 5, 0.25, NULL}
+    {28, 0, "Release time", "Clutch", "s", "Duration of springing back.", 0.02, 5, 0.25, NULL}
 /* clang-format on */
 
 typedef struct clutch {
@@ -142,37 +144,39 @@ typedef struct clutch {
 #define CLUTCH_MEMORY(clutch) MEMORY_BOOLS((clutch).has_started), MEMORY_BOOLS((clutch).was_down)
 
 typedef struct clutch_events {
-    bool engage, release, commit; /* asked for in this frame */
+    bool engage, release, commit; /* requested in this frame */
 } clutch_events;
 
 void clutch_reset(clutch *self);
-/* params: the clutch's part of the parameter values. */
+/* Returns the events of this frame. params: the clutch's part of the parameter values. */
 clutch_events clutch_step(clutch *self, const mrt_frame *frame, const double *params);
 
 bool clutch_springs_back(const double *params);
-/* The rate at which it does, 1/s: after the release time e^-3 = 5 % of the way are left. */
+/* Returns the rate of springing back, 1/s: after the release time e^-3 = 5 % of the way are
+ * left. */
 float clutch_release_rate(const double *params);
 
-/* ---- how a hand is held; and the curves that mappings by joint angles ease with: + - * / and sqrt
- * alone, the same bits everywhere ---- */
+/* ---- the pose of a hand, and the easing curves of mappings by joint angles: only + - * / and
+ * sqrt, so the same bits everywhere ---- */
 
-/* For a stepped parameter: right first while both are present. */
+/* Labels of a stepped parameter. "Either" prefers the right hand if both are present. */
 extern const char *const performing_hand_labels[];
 #define PERFORMING_HAND_PARAM(id)                                                                  \
     {                                                                                              \
-        id, MRT_PARAM_STEPPED, "Hand", "Hand", "", "Which hand performs.", 0, 2, 0,                \
+        id, MRT_PARAM_STEPPED, "Hand", "Hand", "", "Hand that performs.", 0, 2, 0,                 \
             performing_hand_labels                                                                 \
     }
 
-/* The hand that performs; NULL: none is present, or it holds an angle that is none. */
+/* Returns the hand that performs; NULL if it is not present or has an angle that is not finite. */
 const mrt_hand *performing_hand(const mrt_frame *frame, double choice);
 
-/* Mean of the knuckles and middle joints of the four fingers, rad: 0 flat, some 1.5 a fist. */
+/* Returns the mean of the knuckles and middle joints of the four fingers, rad: 0 flat, about 1.5 a
+ * fist. */
 double finger_bend(const mrt_hand *hand);
 
-/* The part of the way that is gone in dt_s with the time constant time_s: 0 .. 1. */
+/* Returns the share of the way covered in dt_s with the time constant time_s: 0 .. 1. */
 double smoothing_share(double dt_s, double time_s);
-/* Minimum jerk from 0 to 1; 0 before, 1 behind. */
+/* Minimum jerk from 0 to 1; 0 before, 1 after. */
 double minimum_jerk(double t);
 /* x made no larger than most, smoothly, and nearly x while small. */
 double soft_limit(double x, double most);

@@ -1,7 +1,7 @@
 #include "placement.h"
 #include "mapping.h"
 
-/* Points nearer to each other than this part of the radius share their place. */
+/* Points nearer to each other than this share of the radius form a group. */
 static const float least_apart = 0.15f;
 static const float hand_length_mm = 190.0f, reach_in_faces = 4.0f;
 static const double rad_per_deg = 0.017453292519943295;
@@ -10,18 +10,18 @@ const char *const placement_hands_labels[] = {"Both", "Left", "Right", NULL};
 const char *const placement_off_on_labels[] = {"Off", "On", NULL};
 const char *const placement_posture_labels[] = {"In the head", "Before the face", NULL};
 
-/* Two hands side by side, where nobody says how far apart they are. Beside one hand's placement:
- * turned so that thumbs point down and fingers up, a little lower, and further back, for beside its
- * middle a face recedes. In shares of the face's width: a hand of this length leaves a fifth of it
- * between the index fingers, which are next to each other, and its little finger beside the cheek.
- */
+/* Default placement of two hands side by side, relative to the placement of one hand. The hands are
+ * turned, thumbs down and fingers up, and moved a little down and further back, because a face
+ * recedes beside its middle. In shares of the face's width. A hand of this length leaves a fifth of
+ * the width between the index fingers, which are next to each other, and its little finger is
+ * beside the cheek. */
 static const double pair_roll_deg = 25.0, pair_pitch_deg = 45.0, pair_up = -4.0, pair_depth = -15.0;
 static const double pair_apart = 0.62, pair_length = 1.4;
 
 enum { HANDS_BOTH, HANDS_LEFT, HANDS_RIGHT };
 enum { POSTURE_IN_HEAD, POSTURE_BEFORE_FACE };
 
-/* Sine and cosine by their series after folding into a quarter turn: the same bits everywhere,
+/* Sine and cosine from their series after folding into a quarter turn: the same bits everywhere,
  * error below 1e-12. */
 static void sine_cosine(double angle_deg, double *out_sine, double *out_cosine)
 {
@@ -74,14 +74,14 @@ static rotation rotation_compose(const rotation *second, const rotation *first)
     return out;
 }
 
-/* Both hands pull, and how they stand together is found from the face. */
+/* Returns true if both hands pull and their distance is derived from the face. */
 static bool is_pair(const mrt_frame *frame)
 {
     return frame->params[PLACEMENT_APART] <= 0.0 && placement_pulls(frame, MRT_LEFT) &&
            placement_pulls(frame, MRT_RIGHT);
 }
 
-/* Hand frame to face frame, without the place. The left hand is turned as in a mirror. */
+/* Rotation from the hand frame to the face frame. The left hand is mirrored. */
 static rotation posture_turn(const mrt_frame *frame, uint32_t side)
 {
     const double *params = frame->params;
@@ -150,7 +150,7 @@ static mrt_vec3 hand_position(const placement *self, const mrt_frame *frame, uin
                       self->low.z + self->size.z * (float)(0.01 * depth)};
 }
 
-/* From mm of the hand to mm of the face. */
+/* Scale from mm of the hand to mm of the face. */
 static float scale_of(const placement *self, const mrt_frame *frame)
 {
     float length_mm = placement_face_height(self) * (float)(0.01 * frame->params[PLACEMENT_SIZE]);
@@ -219,8 +219,8 @@ void placement_share(placement *self, const mrt_host *host, const mrt_vec3 *poin
     }
     if (shared_count > 0 && !self->has_told)
         host->log(host, MRT_LOG_WARNING,
-                  "fingertips are laid so near to each other that they share a place of the face: "
-                  "it follows their mean; lay the hands further apart, or make the radius smaller");
+                  "some fingertips share one point of the face, which follows their mean: move the "
+                  "hands further apart, or reduce the radius");
     self->has_told |= shared_count > 0;
 }
 
@@ -260,7 +260,7 @@ mrt_vec3 placement_within_reach(const placement *self, mrt_vec3 p)
                       clamped(p.z, low.z, size.z, reach_mm)};
 }
 
-/* ---- how the field is solved ---- */
+/* ---- solver settings ---- */
 
 static const float least_stretch = 1.1f;
 

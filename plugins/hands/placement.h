@@ -1,12 +1,12 @@
-/* hands/placement.h - where a performer's hands stand in a face, for mappings that pull with points
- * of the hand: which points, their size, posture and place. The first frame in which a hand is
- * present is laid at the place asked for (the centre of its fingertips there); from then on the
- * hand moves freely. Pure functions of frame and parameters; [frame]. */
+/* hands/placement.h - placement of a performer's hands in a face, for mappings that pull with
+ * points of the hand: which points, their size, posture and position. In the first frame with a
+ * hand, the centre of its fingertips is placed at the position set by the parameters. After that
+ * the hand moves freely. Pure functions of frame and parameters; [frame]. */
 #ifndef MAROTTE_PLUGINS_HANDS_PLACEMENT_H
 #define MAROTTE_PLUGINS_HANDS_PLACEMENT_H
 #include <marotte/plugin.h>
 
-/* The parameters, first in the table of every mapping that uses them, in this order. */
+/* The parameters in this order, first in the table of every mapping that uses them. */
 enum {
     PLACEMENT_HANDS = 0, /* which hands pull */
     PLACEMENT_PALM,      /* palm points too */
@@ -30,82 +30,83 @@ extern const char *const placement_posture_labels[];
 /* clang-format off */
 #define PLACEMENT_PARAMS PLACEMENT_PARAMS_WITH(0, 0, 90, 36, 95, 0, -45)
 #define PLACEMENT_PARAMS_WITH(palm, posture, size, up, depth, apart, roll) \
-    {1, MRT_PARAM_STEPPED, "Hands", "Points", "", "Which hands pull.", \
+    {1, MRT_PARAM_STEPPED, "Hands", "Points", "", "Hands that pull.", \
      0, 2, 0, placement_hands_labels}, \
-    {2, MRT_PARAM_STEPPED, "Palm", "Points", "", "Whether eight points of the palm pull too.", \
+    {2, MRT_PARAM_STEPPED, "Palm", "Points", "", "Pull with eight points of the palm too.", \
      0, 1, palm, placement_off_on_labels}, \
     {3, MRT_PARAM_STEPPED, "Posture", "Placement", "", \
-     "In the head: fingers point out of the face, as in a puppet. Before the face: palm towards " \
+     "In the head: fingers point out of the face, as in a puppet. Before the face: palm to " \
      "the face, fingers up.", 0, 1, posture, placement_posture_labels}, \
     {4, 0, "Size", "Placement", "%", \
      "Length of the hand, in per cent of the face's height.", 10, 300, size, NULL}, \
     {5, 0, "Across", "Placement", "%", \
-     "Where the fingertips are laid: 0 the subject's right edge of the face, 100 the left.", \
+     "Position of the fingertips: 0 the subject's right edge of the face, 100 the left.", \
      -100, 200, 50, NULL}, \
     {6, 0, "Up", "Placement", "%", \
-     "Where the fingertips are laid: 0 the lower edge of the face, 100 the top.", \
+     "Position of the fingertips: 0 the lower edge of the face, 100 the top.", \
      -100, 200, up, NULL}, \
     {7, 0, "Depth", "Placement", "%", \
-     "Where the fingertips are laid: 0 the back, 100 the front.", -100, 200, depth, NULL}, \
+     "Position of the fingertips: 0 the back, 100 the front.", -100, 200, depth, NULL}, \
     {8, 0, "Apart", "Placement", "%", \
-     "With both hands: how far apart they are laid, in per cent of the face's width; 0: side by " \
-     "side as its width allows, smaller if need be, thumbs down, fingers up.", \
+     "Distance of two hands, in per cent of the face's width. 0: side by side, scaled to fit, " \
+     "thumbs down, fingers up.", \
      0, 200, apart, NULL}, \
-    {9, 0, "Pitch", "Placement", "deg", "Turns the hand: fingertips up.", -180, 180, 0, NULL}, \
-    {10, 0, "Yaw", "Placement", "deg", "Turns the hand: fingertips to the thumb's side.", \
+    {9, 0, "Pitch", "Placement", "deg", "Turn the hand: fingertips up.", -180, 180, 0, NULL}, \
+    {10, 0, "Yaw", "Placement", "deg", "Turn the hand: fingertips to the thumb's side.", \
      -180, 180, 0, NULL}, \
-    {11, 0, "Roll", "Placement", "deg", "Turns the hand about its fingers: thumb up.", \
+    {11, 0, "Roll", "Placement", "deg", "Turn the hand about its fingers: thumb up.", \
      -180, 180, roll, NULL}
 /* clang-format on */
 
 typedef struct placement {
     mrt_vec3 low, size; /* of the face, mm */
     bool is_laid[2];
-    mrt_vec3 home[2]; /* hand frame: what lies at the place asked for */
-    bool has_told;    /* that points share a place */
+    mrt_vec3 home[2]; /* hand frame: point placed at the position of the parameters */
+    bool has_told;    /* whether the warning about shared points was logged */
 } placement;
 
-/* For a memory_list: what activate does not derive. */
+/* For a memory_list: the state that activate does not derive. */
 #define PLACEMENT_MEMORY(placement)                                                                \
     MEMORY_BOOLS((placement).is_laid), MEMORY_FLOATS((placement).home)
 
 void placement_activate(placement *self, const mrt_face *face);
-void placement_reset(placement *self); /* the next frame lays the hands anew */
+void placement_reset(placement *self); /* the next frame places the hands again */
 
-/* Whether this hand is present and asked for. */
+/* Returns true if this hand is present and selected by the parameters. */
 bool placement_pulls(const mrt_frame *frame, uint32_t side);
 
-/* The points of the hands in the face frame, mm: per hand (left first) the fingertips from thumb to
- * little, then the palm points. Returns their number, 0 when no hand that pulls is present. */
+/* Writes the points of the hands in the face frame, mm: per hand (left first) the fingertips from
+ * thumb to little finger, then the palm points. Returns their number; 0 if no selected hand is
+ * present. */
 uint32_t placement_points(placement *self, const mrt_frame *frame,
                           mrt_vec3 out_point[PLACEMENT_POINTS_MAX]);
 
-/* Points that are near to each other beside the radius, or joined by such, share one place, or they
- * would tear at it, which is logged once: out_leader[i] is the first point of the place of point i.
- */
+/* Groups points that are near to each other compared with the radius, directly or through other
+ * points. Such points share one place, because otherwise they would tear the surface; this is
+ * logged once. out_leader[i] is the first point of the group of point i. */
 void placement_share(placement *self, const mrt_host *host, const mrt_vec3 *point, uint32_t count,
                      float radius_mm, uint32_t out_leader[PLACEMENT_POINTS_MAX]);
-/* Each point becomes the mean of those that share its place. */
+/* Replaces each point by the mean of its group. */
 void placement_blend(mrt_vec3 *point, uint32_t count, const uint32_t *leader);
 
-/* p, or the nearest place that is no further from the face than four times its size: the host's
- * guard holds the whole pull beyond ten. For points that add up what hands do. */
+/* Returns p, or the nearest point within four sizes of the face: the host rejects a pull beyond
+ * ten. For mappings that add up the movements of hands. */
 mrt_vec3 placement_within_reach(const placement *self, mrt_vec3 p);
 
-/* The height of the face, mm, at least 1. */
+/* Returns the height of the face, mm, at least 1. */
 float placement_face_height(const placement *self);
 
-/* ---- how the paper's two mappings have their field solved: its radius in mm, how far the skin may
- * be stretched, or all of it to the letter of the paper ---- */
+/* ---- solver settings of the paper's two mappings: the radius in mm, the largest stretch of the
+ * skin, or the exact method of the paper ---- */
 
-/* Of the parameters, in the order of SOLVER_PARAMS. */
+/* Parameter indices, in the order of SOLVER_PARAMS. */
 enum { SOLVER_PRESET, SOLVER_RADIUS_MM, SOLVER_STRETCH, SOLVER_COUNT };
 
-/* The paper to the letter: its linear polynomial, gain 1, no soft reach, one step a sample, and
- * nothing held back: what that folds and tears is counted. */
+/* The exact method of the paper: its linear polynomial, gain 1, no soft reach, one step per sample,
+ * and no limits. Folds and tears are only counted. */
 bool solver_is_paper(const double *solver);
 
-/* The pull's radius and how it is solved. share_mm: the radius where it is not said in mm. */
+/* Sets the pull's radius and solver. share_mm: the radius, unless it is set in mm. */
 void solver_set(mrt_pull *pull, const double *solver, float share_mm);
 
 extern const char *const solver_preset_labels[];
@@ -113,14 +114,14 @@ extern const char *const solver_preset_labels[];
 /* clang-format off */
 #define SOLVER_PARAMS                                                                              \
     {40, MRT_PARAM_STEPPED, "Preset", "Solver", "",                                                \
-     "Paper: gain 1, a linear polynomial, no soft reach, one step a sample, nothing held back.",   \
+     "Paper: gain 1, linear polynomial, no soft reach, one step per sample, no limits.",   \
      0, 1, 0, solver_preset_labels},                                                               \
     {41, 0, "Radius mm", "Solver", "mm",                                                           \
      "Support radius of each point; 0: the radius in per cent of the face's height.",              \
      0, 1000, 0, NULL},                                                                            \
     {42, 0, "Stretch", "Solver", "times",                                                          \
-     "An edge of the skin is stretched so many times at most, and nothing folds: less is given "   \
-     "then; 0: never.",                                                                            \
+     "Largest stretch of an edge of the skin. A pull that stretches more, or folds, is reduced. "  \
+     "0: no limit.",                                                                               \
      0, 50, 8, NULL}
 /* clang-format on */
 

@@ -1,10 +1,10 @@
-/* demo_hand right|left [FILE] - writes the performances that marotte shows first, 20 s at 100 Hz,
- * as log tables. The right hand talks (two sentences on the thumb), lifts the index finger,
- * spreads, makes a fist, moves slowly and rests. The left hand is its partner with a part of its
- * own: it talks along in other words, answers the lift, reaches out where the other makes a fist.
- * Movements are minimum-jerk; neighbours follow a moving finger; sensors have the steps and ranges
- * that measure_log found in real recordings (README.md). The same bytes on every machine: integers,
- * + - * / and a generator of its own. */
+/* demo_hand right|left [FILE] - writes the demo recordings of marotte, 20 s at 100 Hz, as log
+ * tables. The right hand talks (two sentences on the thumb), lifts the index finger, spreads, makes
+ * a fist, moves slowly and rests. The left hand performs together with it, with its own movements:
+ * it talks with other syllables, answers the lift, and reaches out while the other hand makes a
+ * fist. Movements are minimum-jerk, and neighbouring fingers follow a moving finger. Sensors have
+ * the steps and ranges that measure_log found in real recordings (README.md). The output has the
+ * same bytes on every machine: integers, + - * / and a built-in random generator. */
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
@@ -37,8 +37,9 @@ enum {
 
 static const struct sensor {
     const char *name;
-    int32_t step;           /* measured, in 1e-5 rad */
-    double low, high, talk; /* rad: 1 % and 99 % of what was measured; the relaxed talk pose */
+    int32_t step; /* measured, in 1e-5 rad */
+    double low, high,
+        talk; /* rad: 1st and 99th percentile of the measurements; relaxed pose while talking */
 } sensors[SENSOR_COUNT] = {
     {"thumb.roll", 1584, 0.27, 2.09, 1.45},   {"thumb.mpj", 1459, -0.47, 0.55, 0.15},
     {"thumb.ij", 1427, -0.14, 0.78, 0.20},    {"thumb.abd", 502, -0.10, 0.70, 0.34},
@@ -51,8 +52,8 @@ static const struct sensor {
     {"wrist.pitch", 863, -0.29, 0.15, -0.08}, {"wrist.yaw", 392, -0.16, 0.12, 0.0},
 };
 
-/* What a finger's movement does to the others, index to little: nobody moves the ring finger
- * alone. */
+/* Share of a finger's movement that the others follow, index to little: nobody can move only the
+ * ring finger. */
 static const double enslaved[4][4] = {
     {1.00, 0.16, 0.06, 0.02},
     {0.12, 1.00, 0.34, 0.10},
@@ -84,14 +85,14 @@ static void add_move(performance *p, int sensor, double start_s, double duration
         p->moves[p->count++] = (move){sensor, start_s, duration_s, amount_rad};
 }
 
-/* There, a hold, and back. */
+/* Moves there, holds, and moves back. */
 static void add_stroke(performance *p, int sensor, timing t, double amount_rad)
 {
     add_move(p, sensor, t.start_s, t.rise_s, amount_rad);
     add_move(p, sensor, t.start_s + t.rise_s + t.hold_s, t.fall_s, -amount_rad);
 }
 
-/* One finger (0 index .. 3 little), its neighbours a little late and in part. */
+/* Moves one finger (0 index .. 3 little); its neighbours follow a little later and in part. */
 static void add_finger_stroke(performance *p, int finger, timing t, double mpj_rad, double pij_rad)
 {
     for (int other = 0; other < 4; ++other) {
@@ -104,7 +105,7 @@ static void add_finger_stroke(performance *p, int finger, timing t, double mpj_r
     }
 }
 
-/* The same for all fingers, the little one first, as hands do. */
+/* Moves all fingers, the little finger first, like a real hand. */
 static void add_hand_stroke(performance *p, timing t, double mpj_rad, double pij_rad)
 {
     for (int finger = 0; finger < 4; ++finger) {
@@ -118,7 +119,7 @@ static void add_hand_stroke(performance *p, timing t, double mpj_rad, double pij
 /* ---- the right hand's performance ---- */
 
 typedef struct syllable {
-    double duration_s, opening; /* 3 to 5 a second; 0 .. 1 */
+    double duration_s, opening; /* 3 to 5 per second; 0 .. 1 */
 } syllable;
 
 static const syllable first_sentence[] = {
@@ -130,7 +131,7 @@ static const syllable second_sentence[] = {
     {0.25, 0.65}, {0.20, 0.45}, {0.29, 0.85}, {0.23, 0.55}, {0.22, 0.70}, {0.33, 0.90},
 };
 
-/* The thumb is the jaw: it opens faster than it closes, and the fingers give a little. */
+/* The thumb is the jaw: it opens faster than it closes. The fingers follow a little. */
 static void add_sentence(performance *p, double start_s, const syllable *syllables, size_t count)
 {
     for (size_t i = 0; i < count; ++i) {
@@ -217,7 +218,7 @@ static void add_answering_lifts(performance *p)
     add_finger_stroke(p, 0, (timing){8.95, 0.24, 0.30, 0.34}, -0.54, -0.30);
 }
 
-/* All fingers stretch, the little one furthest, and stay while the other hand closes. */
+/* All fingers stretch, the little finger furthest, and stay while the other hand closes. */
 static void add_reach(performance *p)
 {
     timing t = {10.60, 0.62, 2.35, 0.85};
@@ -230,7 +231,7 @@ static void add_reach(performance *p)
     add_stroke(p, PITCH, t, 0.10);
 }
 
-/* The wave runs from the index finger outwards, and ends in a last stretch. */
+/* A wave from the index finger outwards, ending in a last stretch. */
 static void add_slow_answer(performance *p)
 {
     add_finger_stroke(p, 0, (timing){14.75, 0.85, 0.30, 0.90}, -0.46, -0.30);
@@ -251,7 +252,7 @@ static void author_left(performance *p)
     add_slow_answer(p);
 }
 
-/* ---- in time ---- */
+/* ---- interpolation ---- */
 
 /* Flash and Hogan 1985: the smoothest way from 0 to 1. */
 static double minimum_jerk(double s)
@@ -273,7 +274,7 @@ static void pose_at(const performance *p, double time_s, double *out_rad)
     }
 }
 
-/* ---- the sensors' view of it ---- */
+/* ---- simulation of the sensors ---- */
 
 /* Steele, Lea, Flood 2014: SplitMix64. */
 static uint64_t next_random(uint64_t *state)
@@ -284,7 +285,7 @@ static uint64_t next_random(uint64_t *state)
     return z ^ (z >> 31);
 }
 
-/* Close to a normal distribution of rms 1: twelve uniform numbers of variance 1/12. */
+/* Approximates a normal distribution of rms 1: sum of twelve uniform numbers of variance 1/12. */
 static double next_normal(uint64_t *state)
 {
     double sum = -6.0;
@@ -294,7 +295,7 @@ static double next_normal(uint64_t *state)
 }
 
 static const double NOISE_STEPS = 0.1; /* rms; measured: 0 to 0.2 */
-static const double DRIFT_RAD = 0.006; /* a resting hand is never quite still */
+static const double DRIFT_RAD = 0.006; /* a resting hand is never completely still */
 static const double DRIFT_PERIOD_S = 1.6;
 
 typedef struct drift {
@@ -314,7 +315,8 @@ static double drift_at(drift *d, double time_s, uint64_t *random)
     return d->from_rad + s * (d->to_rad - d->from_rad);
 }
 
-/* The nearest level, but the old one while the angle is within three quarters of a step of it. */
+/* Returns the nearest level, but the old one while the angle is within three quarters of a step of
+ * it. */
 static int32_t level_of(double steps, int32_t old)
 {
     double distance = steps - old;
@@ -348,7 +350,8 @@ static void sense(glove *g, double time_s, const double *angle_rad)
 
 /* ---- the file ---- */
 
-/* hundred_thousandths * 1e-5 in decimal, by integers: printf's rounding is a library's own. */
+/* Writes hundred_thousandths * 1e-5 in decimal with integers, because the rounding of printf
+ * differs between libraries. */
 static void write_angle(FILE *out, int32_t hundred_thousandths)
 {
     const char *sign = hundred_thousandths < 0 ? "-" : "";

@@ -1,6 +1,6 @@
-/* demo_voice TEXT VOICE.ogg PHONEMES.csv - lets espeak-ng say the demo's text: writes the voice and
- * the moments of its phonemes, both from one run, so that they fit. It is built where libespeak-ng
- * is. Nobody else needs espeak-ng: both files are in the repository. */
+/* demo_voice TEXT VOICE.ogg PHONEMES.csv - synthesises the demo's text with espeak-ng. Writes the
+ * voice and the times of its phonemes from one run, so that they match. Built only with
+ * libespeak-ng. Users do not need espeak-ng, because both files are in the repository. */
 #include <espeak-ng/speak_lib.h>
 #include <sndfile.h>
 
@@ -12,7 +12,7 @@
 
 static const char voice_name[] = "en-gb-x-rp+m3";
 enum { WORDS_A_MINUTE = 128, PITCH = 46, PITCH_RANGE = 62, TEXT_MAX = 4096, WORD_MAX = 32 };
-/* Before the first phoneme: the hand shows its neutral pose, and wakes. */
+/* Before the first phoneme the hand shows its neutral pose, then starts to move. */
 static const double lead_s = 1.5, tail_s = 0.8;
 static const double loudest = 0.7, vorbis_quality = 0.35;
 
@@ -22,7 +22,7 @@ typedef struct script {
     size_t length;
 } script;
 
-typedef struct output { /* of the callback, which has no other way to it */
+typedef struct output { /* for the callback, which gets no user data */
     const script *from;
     FILE *phonemes;
     char word[WORD_MAX]; /* begins with the next phoneme */
@@ -31,7 +31,8 @@ typedef struct output { /* of the callback, which has no other way to it */
 } output;
 static output out;
 
-/* Comment lines and stars are left out. False: the file is too long, or cannot be read. */
+/* Reads the text without comment lines and stars. Returns false if the file is too long or cannot
+ * be read. */
 static bool read_script(script *to, const char *path)
 {
     FILE *in = fopen(path, "rb");
@@ -54,7 +55,7 @@ static bool read_script(script *to, const char *path)
     return is_read;
 }
 
-/* position: of the word's first letter, from 1. A star follows a stressed word. */
+/* position: index of the word's first letter, from 1. A star follows a stressed word. */
 static void note_word(int position)
 {
     const size_t first = position > 0 ? (size_t)position - 1 : 0;

@@ -1,4 +1,4 @@
-/* log.c - the input plugin "org.marotte.log": plays a recorded hand as if it were performed now. */
+/* log.c - the input plugin "org.marotte.log": plays a recorded hand as a live input. */
 #include <marotte/plugin.h>
 
 #include "log_parse.h"
@@ -20,12 +20,12 @@ struct mrt_plugin {
     bool is_open, is_mirrored;
     bool asked_to_restart, told_empty;
 
-    /* The record of time anchor_record_ns is due at anchor_host_ns; speed holds from there on. */
+    /* The record of time anchor_record_ns is due at anchor_host_ns; `speed` applies after it. */
     bool is_playing;
     double speed;
     int64_t anchor_host_ns, anchor_record_ns;
     size_t next;         /* record */
-    int64_t last_due_ns; /* of the record given last */
+    int64_t last_due_ns; /* of the last record returned */
     uint32_t sequence;
 };
 
@@ -36,13 +36,12 @@ static void say(const mrt_plugin *self, int32_t level, const char *text)
 
 /* ---- opening ---- */
 
-static void say_damage(const mrt_plugin *self, const char *path)
+static void log_damage_count(const mrt_plugin *self, const char *path)
 {
     const log_data *data = &self->data;
     char text[LOG_REASON + 256];
-    snprintf(text, sizeof text,
-             "%.120s: %zu of %zu records are damaged and left out, first line %zu: %s", path,
-             data->damaged_count, data->damaged_count + data->record_count,
+    snprintf(text, sizeof text, "%.120s: skipped %zu of %zu records as damaged, first line %zu: %s",
+             path, data->damaged_count, data->damaged_count + data->record_count,
              data->first_damaged_line, data->first_damage);
     say(self, MRT_LOG_WARNING, text);
 }
@@ -62,7 +61,7 @@ static mrt_result read_log(mrt_plugin *self, const char *path, uint32_t hand)
         return result;
     }
     if (self->data.damaged_count > 0)
-        say_damage(self, path);
+        log_damage_count(self, path);
     return MRT_OK;
 }
 
@@ -74,7 +73,7 @@ static void log_close(mrt_plugin *self)
     self->is_playing = false;
 }
 
-/* Whose hand a log shows that does not say so. */
+/* Returns the hand of a log that does not name it. */
 static uint32_t hand_of(const double *params)
 {
     return (uint32_t)(params[PARAM_HAND] < 0.5 ? MRT_LEFT : MRT_RIGHT);
@@ -85,14 +84,15 @@ static bool wants_mirror(const double *params)
     return params[PARAM_MIRROR] >= 0.5;
 }
 
-/* Raw values are turned into angles by the calibration of the hand that they are said to be of. */
-static void say_if_counts_are_mirrored(const mrt_plugin *self)
+/* Warns if raw values are mirrored, because the calibration converts raw values for the original
+ * hand. */
+static void warn_if_counts_are_mirrored(const mrt_plugin *self)
 {
     for (uint32_t i = 0; i < self->data.channel_count; ++i)
         if (strcmp(self->data.unit[i], "count") == 0) {
             say(self, MRT_LOG_WARNING,
-                "mirror=1: this log holds a glove's raw values, which the other hand's calibration "
-                "does not fit; mirror a log in rad or deg");
+                "mirror=1: this log has raw glove values, which do not fit the other hand's "
+                "calibration: mirror a log in rad or deg");
             return;
         }
 }
@@ -110,7 +110,7 @@ static mrt_result log_open(mrt_plugin *self, const char *address, const double *
     self->is_mirrored = wants_mirror(params);
     if (self->is_mirrored) {
         log_mirror(&self->data);
-        say_if_counts_are_mirrored(self);
+        warn_if_counts_are_mirrored(self);
     }
     self->is_open = true;
     self->asked_to_restart = false;
@@ -140,7 +140,7 @@ static int64_t ns_of_seconds(double seconds)
     return (int64_t)(within(seconds, 0.0, SECONDS_MAX) * 1e9 + 0.5);
 }
 
-/* The part of the recording that is played: [start, end]; end 0 means all of it. */
+/* Part of the recording to play: [start, end]; end 0 means all of it. */
 typedef struct section {
     int64_t start_ns, end_ns;
 } section;
@@ -154,7 +154,7 @@ static section section_of(const mrt_plugin *self, const double *params)
     return out;
 }
 
-/* The first record that is not before time_ns; record_count: there is none. */
+/* Returns the first record that is not before time_ns; record_count: none. */
 static size_t first_record_from(const log_data *data, int64_t time_ns)
 {
     size_t low = 0, high = data->record_count;
@@ -168,7 +168,8 @@ static size_t first_record_from(const log_data *data, int64_t time_ns)
     return low;
 }
 
-/* From the last record of one pass to the first of the next: as long as a record lasts. */
+/* Returns the time from the last record of one pass to the first of the next: the interval of
+ * records. */
 static int64_t record_interval_ns(const log_data *data)
 {
     int64_t mean_ns = NS_PER_SECOND / 100;
@@ -201,7 +202,7 @@ static void begin_playing(mrt_plugin *self, const double *params, const section 
     start_pass(self, played, origin_ns);
 }
 
-/* A new speed holds from the record given last: time goes on without a jump. */
+/* Applies a new speed from the last record on, without a jump in time. */
 static void follow_speed(mrt_plugin *self, const double *params)
 {
     double speed = within(params[PARAM_SPEED], SPEED_MIN, SPEED_MAX);
@@ -213,7 +214,7 @@ static void follow_speed(mrt_plugin *self, const double *params)
     self->speed = speed;
 }
 
-/* Whether the log was opened as these parameters ask. */
+/* Returns true if the log was opened with these parameters. */
 static bool shows_hand(const mrt_plugin *self, const double *params)
 {
     if (self->is_mirrored != wants_mirror(params))
@@ -222,7 +223,7 @@ static bool shows_hand(const mrt_plugin *self, const double *params)
     return !self->data.is_hand_assumed || is_asked_for != self->is_mirrored;
 }
 
-/* Channels are fixed while the log is open, so another hand needs it opened again. */
+/* Channels are fixed while the log is open, so a change of the hand requests a restart. */
 static void follow_hand(mrt_plugin *self, const double *params)
 {
     if (self->asked_to_restart || shows_hand(self, params))
@@ -236,14 +237,14 @@ static bool is_over(const mrt_plugin *self, const section *played)
     return self->next >= self->data.record_count || self->data.time_ns[self->next] > played->end_ns;
 }
 
-/* Goes back to the start when looping; false: the take is over. */
+/* Returns to the start if looping. Returns false if playback is over. */
 static bool turn_around(mrt_plugin *self, const double *params, const section *played)
 {
     if (!(params[PARAM_LOOP] >= 0.5))
         return false;
     int64_t interval_ns = record_interval_ns(&self->data);
     start_pass(self, played, self->last_due_ns + (int64_t)((double)interval_ns / self->speed));
-    /* The next pass begins with its first record, whatever silence lies before it. */
+    /* The next pass begins with its first record, without the silence before it. */
     if (!is_over(self, played)) {
         self->anchor_record_ns = self->data.time_ns[self->next];
         return true;
@@ -251,12 +252,12 @@ static bool turn_around(mrt_plugin *self, const double *params, const section *p
     return false;
 }
 
-static void say_once_if_empty(mrt_plugin *self)
+static void warn_once_if_empty(mrt_plugin *self)
 {
     if (self->sequence > 0 || self->told_empty)
         return;
     self->told_empty = true;
-    say(self, MRT_LOG_WARNING, "no record lies between start and end");
+    say(self, MRT_LOG_WARNING, "the log has no records between start and end");
 }
 
 static void fill_sample(mrt_plugin *self, int64_t time_ns, mrt_sample *out)
@@ -281,7 +282,7 @@ static mrt_result log_read(mrt_plugin *self, const double *params, int64_t deadl
     follow_speed(self, params);
     follow_hand(self, params);
     if (is_over(self, &played) && !turn_around(self, params, &played)) {
-        say_once_if_empty(self);
+        warn_once_if_empty(self);
         return MRT_END;
     }
     int64_t due = due_ns(self, self->data.time_ns[self->next]);
@@ -331,20 +332,18 @@ static const char *const mirror_label[] = {"as recorded", "the other hand", NULL
 static const char *const loop_label[] = {"once", "again and again", NULL};
 
 static const mrt_param params[PARAM_COUNT] = {
-    [PARAM_SPEED] = {1, 0, "speed", "Playback", "times", "How fast the log is played", 0.1, 8.0,
-                     1.0, NULL},
-    [PARAM_LOOP] = {2, MRT_PARAM_STEPPED, "loop", "Playback", "",
-                    "Whether it starts again at its end", 0, 1, 0, loop_label},
-    [PARAM_START] = {3, 0, "start", "Playback", "s", "Where in the log to start", 0, 100000, 0,
+    [PARAM_SPEED] = {1, 0, "speed", "Playback", "times", "Playback speed", 0.1, 8.0, 1.0, NULL},
+    [PARAM_LOOP] = {2, MRT_PARAM_STEPPED, "loop", "Playback", "", "Repeat the log at its end", 0, 1,
+                    0, loop_label},
+    [PARAM_START] = {3, 0, "start", "Playback", "s", "Start position in the log", 0, 100000, 0,
                      NULL},
-    [PARAM_END] = {4, 0, "end", "Playback", "s", "Where in the log to stop; 0 is its end", 0,
-                   100000, 0, NULL},
+    [PARAM_END] = {4, 0, "end", "Playback", "s", "End position in the log; 0: its end", 0, 100000,
+                   0, NULL},
     [PARAM_HAND] = {5, MRT_PARAM_STEPPED, "hand", "Playback", "",
-                    "Whose hand it is, if the log does not say so", MRT_LEFT, MRT_RIGHT, MRT_RIGHT,
+                    "Hand of the log, if the log does not name it", MRT_LEFT, MRT_RIGHT, MRT_RIGHT,
                     hand_label},
     [PARAM_MIRROR] = {6, MRT_PARAM_STEPPED, "mirror", "Playback", "",
-                      "Plays the recording as the other hand's, as a mirror shows it", 0, 1, 0,
-                      mirror_label},
+                      "Mirror the recording: play it as the other hand", 0, 1, 0, mirror_label},
 };
 
 static const mrt_input input = {log_open, log_channels, log_read, log_close, MRT_INPUT_RECORDED};
@@ -362,7 +361,7 @@ static const mrt_plugin_type type = {
     "org.marotte.log",
     "Log",
     MAROTTE_VERSION,
-    "Plays a recorded hand: marotte's own logs and the recordings of GraspDB14",
+    "Plays a recorded hand: marotte logs and GraspDB14 recordings",
     log_create,
     log_destroy,
 };

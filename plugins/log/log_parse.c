@@ -31,7 +31,7 @@ static log_text trimmed(log_text text)
     return text;
 }
 
-/* Takes what is before the next `separator` off `rest`. */
+/* Removes the text before the next `separator` from `rest` and returns it. */
 static log_text taken(log_text *rest, char separator)
 {
     const char *stop = memchr(rest->at, separator, (size_t)(rest->end - rest->at));
@@ -40,7 +40,8 @@ static log_text taken(log_text *rest, char separator)
     return trimmed(piece);
 }
 
-/* Takes the next line off `rest`, trimmed of blanks and of its \r\n or \n; false at the end. */
+/* Removes the next line from `rest`, trimmed of blanks and of its \r\n or \n. Returns false
+ * at the end. */
 static bool next_line(log_text *rest, log_text *out_line)
 {
     if (!rest->at || rest->at == rest->end)
@@ -49,8 +50,8 @@ static bool next_line(log_text *rest, log_text *out_line)
     return true;
 }
 
-/* Takes what is before the next comma (or the rest) off `rest`, trimmed of blanks; false once the
- * rest is used up. "a,,b" gives "a", "", "b". */
+/* Removes the next comma-separated field from `rest`, trimmed of blanks. Returns false at the end.
+ * "a,,b" gives "a", "", "b". */
 static bool next_field(log_text *rest, log_text *out_field)
 {
     if (!rest->at)
@@ -59,7 +60,7 @@ static bool next_field(log_text *rest, log_text *out_field)
     return true;
 }
 
-/* Takes the next run of non-blank bytes off `rest`; false when only blanks are left. */
+/* Removes the next word of non-blank bytes from `rest`. Returns false if only blanks remain. */
 static bool next_word(log_text *rest, log_text *out_word)
 {
     while (rest->at < rest->end && is_blank(*rest->at))
@@ -73,7 +74,7 @@ static bool next_word(log_text *rest, log_text *out_word)
     return true;
 }
 
-/* With a digit, sign or point. */
+/* Returns true for a digit, sign or point. */
 static bool starts_number(log_text text)
 {
     return text.at < text.end && (is_digit(*text.at) || strchr("+-.", *text.at));
@@ -85,7 +86,7 @@ static bool text_is(log_text text, const char *word)
     return (size_t)(text.end - text.at) == length && memcmp(text.at, word, length) == 0;
 }
 
-/* Copies into a 0-ended buffer, cut to fit; bytes that do not print become '?'. */
+/* Copies into a 0-ended buffer, truncated to fit. Unprintable bytes become '?'. */
 static void text_copy(char *out, size_t capacity, log_text text)
 {
     size_t length = (size_t)(text.end - text.at);
@@ -109,14 +110,14 @@ bool log_text_number(log_text text, double *out)
         return false;
     memcpy(copy, text.at, length);
     copy[length] = '\0';
-    if (strspn(copy, "+-.0123456789eE") != length) /* strtod knows hexadecimal, nan and inf, too */
+    if (strspn(copy, "+-.0123456789eE") != length) /* strtod accepts hexadecimal, nan, inf */
         return false;
     *out = strtod(copy, &end);
     return *end == '\0' && *out > -NUMBER_MAX && *out < NUMBER_MAX;
 }
 
 #define LOG_INTEGER_MAX INT64_C(4000000000000000000)
-/* Within +-LOG_INTEGER_MAX: the difference of any two is an int64_t. */
+/* Limited to +-LOG_INTEGER_MAX, so that the difference of any two fits an int64_t. */
 static bool read_integer(log_text text, int64_t *out)
 {
     bool negative = text.at < text.end && *text.at == '-';
@@ -134,14 +135,14 @@ static bool read_integer(log_text text, int64_t *out)
     return text.at == text.end && text.at > first;
 }
 
-/* ---- what the two formats share: the record being read, how a line is refused, channels ---- */
+/* ---- common to both formats: the current record, rejection of a line, channels ---- */
 
 typedef struct log_record {
     int64_t time_ns; /* of the file's own clock */
     float value[MRT_MAX_CHANNELS];
 } log_record;
 
-/* Radians beyond a whole turn are no joint's angle. */
+/* An angle of more than one turn is not a joint's angle. */
 #define LOG_ANGLE_MAX 6.2831853071795865
 
 /* Writes the reason and returns MRT_ERR_FORMAT. */
@@ -155,7 +156,7 @@ __attribute__((format(printf, 2, 3))) static mrt_result log_refuse(char *out_rea
     return MRT_ERR_FORMAT;
 }
 
-/* What the values of a channel may reach, for gauges. */
+/* Returns the maximum of a channel's values, for gauges. */
 static float channel_max(uint32_t semantic, const char *unit)
 {
     if (strcmp(unit, "rad") == 0)
@@ -188,13 +189,14 @@ static void log_add_channel(log_data *data, const char *name, const char *unit, 
                                      max};
 }
 
-/* ---- recordings of others ---- */
+/* ---- recordings of GraspDB14 ---- */
 
 enum { WORDS = 30, WORD_SECOND = 5, WORD_FIRST_ANGLE = 7, ANGLES = 23 };
 
-/* angle = sign * (a[plus] - a[minus]) + zero, with a counted from 1 as the recordings do; minus 0:
- * nothing is taken off. The recordings give each finger's own deviation (positive to the little
- * finger's side); the glove measured the three differences between neighbours, which are ours. */
+/* angle = sign * (a[plus] - a[minus]) + zero, with a counted from 1 as in the recordings; minus 0:
+ * nothing is subtracted. The recordings contain the deviation of each finger (positive to the
+ * little finger's side). The glove measured the three differences between neighbours, which marotte
+ * uses. */
 static const struct source {
     int plus, minus;
     double sign, zero_rad;
@@ -218,8 +220,8 @@ static void log_recording_channels(log_data *data, uint32_t hand)
     }
 }
 
-/* Days since 1970-01-01 in the Gregorian calendar, whose years here begin in March: leap days then
- * come last. */
+/* Days since 1970-01-01 in the Gregorian calendar. Years begin in March here, so that leap days are
+ * last. */
 static int64_t days_of(int64_t year, int64_t month, int64_t day)
 {
     int64_t y = month <= 2 ? year - 1 : year;
@@ -233,7 +235,7 @@ static bool is_within(double value, double low, double high)
     return value >= low && value <= high && value == (double)(int64_t)value;
 }
 
-/* year month day hour minute second, to ns since 1970: a midnight between two records is no jump */
+/* Converts year month day hour minute second to ns since 1970, so that midnight is not a jump. */
 static bool time_of(const double *word, int64_t *out_ns)
 {
     double second = word[WORD_SECOND];
@@ -255,7 +257,7 @@ static mrt_result read_words(log_text line, double *out, char *out_reason)
         if (count < WORDS && !log_text_number(word, &out[count])) {
             char text[LOG_NAME];
             text_copy(text, sizeof text, word);
-            return log_refuse(out_reason, "word %d is no number: \"%s\"", count + 1, text);
+            return log_refuse(out_reason, "word %d is not a number: \"%s\"", count + 1, text);
         }
         count += 1;
     }
@@ -272,7 +274,7 @@ static mrt_result log_recording_record(log_text line, log_record *out, char *out
     if (result < 0)
         return result;
     if (!time_of(word, &out->time_ns))
-        return log_refuse(out_reason, "its date and time make no sense");
+        return log_refuse(out_reason, "its date or time is invalid");
     const double *angle = word + WORD_FIRST_ANGLE;
     for (int i = 0; i < ANGLES; ++i)
         if (!(angle[i] >= -LOG_ANGLE_MAX && angle[i] <= LOG_ANGLE_MAX))
@@ -285,7 +287,7 @@ static mrt_result log_recording_record(log_text line, log_record *out, char *out
     return MRT_OK;
 }
 
-/* ---- tables of ours ---- */
+/* ---- marotte's log tables ---- */
 
 static const char *const wrist_name[7] = {"wrist.x",  "wrist.y",  "wrist.z", "wrist.qx",
                                           "wrist.qy", "wrist.qz", "wrist.qw"};
@@ -297,9 +299,9 @@ static const double TIME_MAX_S = 1e8;
 
 typedef struct log_table {
     bool time_in_ns;
-    double scale[MRT_MAX_CHANNELS]; /* from the file's unit to the channel's */
+    double scale[MRT_MAX_CHANNELS]; /* factor from the file's unit to the channel's */
     double limit[MRT_MAX_CHANNELS]; /* largest magnitude, in the channel's unit */
-    bool may_have_units;            /* no record has been seen yet */
+    bool may_have_units;            /* no record was read yet */
 } log_table;
 
 /* ---- the header ---- */
@@ -344,15 +346,16 @@ static mrt_result add_column(log_table *table, log_data *data, log_text field, c
     char name[LOG_NAME];
     text_copy(name, sizeof name, field);
     if (i == MRT_MAX_CHANNELS)
-        return log_refuse(out_reason,
-                          "more than %d columns beside the time, from \"%s\" on: split the file",
-                          MRT_MAX_CHANNELS, name);
+        return log_refuse(
+            out_reason,
+            "more than %d columns besides the time, starting with \"%s\": split the file",
+            MRT_MAX_CHANNELS, name);
     if (name[0] == '\0' || strlen(name) != (size_t)(field.end - field.at))
-        return log_refuse(out_reason, "the name of column %u has no or more than %d letters",
+        return log_refuse(out_reason, "the name of column %u is empty or longer than %d letters",
                           i + 2u, LOG_NAME - 1);
     for (uint32_t k = 0; k < i; ++k)
         if (strcmp(data->name[k], name) == 0)
-            return log_refuse(out_reason, "two columns are called \"%s\"", name);
+            return log_refuse(out_reason, "two columns have the name \"%s\"", name);
     meaning m = meaning_of(name);
     table->scale[i] = 1.0;
     table->limit[i] = is_angle(m.semantic) ? LOG_ANGLE_MAX : OTHER_MAX;
@@ -381,7 +384,7 @@ static mrt_result log_table_header(log_table *table, log_data *data, log_text li
             return result;
     }
     if (data->channel_count == 0)
-        return log_refuse(out_reason, "the header names no column beside the time");
+        return log_refuse(out_reason, "the header has no column besides the time");
     return MRT_OK;
 }
 
@@ -411,7 +414,7 @@ static mrt_result set_angle_unit(log_table *table, log_data *data, uint32_t i, l
     return MRT_OK;
 }
 
-/* "0..1" says where a channel's values lie. */
+/* "0..1" is the range of a channel's values. */
 static bool set_range(mrt_channel *channel, log_text unit)
 {
     log_text low = unit, high = unit;
@@ -446,7 +449,7 @@ static mrt_result set_unit(log_table *table, log_data *data, uint32_t i, log_tex
     return log_refuse(out_reason, "the unit of \"%s\" is %s", data->name[i], data->unit[i]);
 }
 
-/* One calibration serves all sensors of a hand, so they come in one unit. */
+/* One calibration applies to all sensors of a hand, so they must have one unit. */
 static mrt_result check_hands(const log_data *data, char *out_reason)
 {
     for (uint32_t hand = MRT_LEFT; hand <= MRT_RIGHT; ++hand) {
@@ -455,16 +458,16 @@ static mrt_result check_hands(const log_data *data, char *out_reason)
             if (data->channel[i].hand != hand || !is_angle(data->channel[i].semantic))
                 continue;
             if (unit && strcmp(unit, data->unit[i]) != 0)
-                return log_refuse(out_reason,
-                                  "the sensors of one hand are partly in %s, partly in %s", unit,
-                                  data->unit[i]);
+                return log_refuse(out_reason, "the sensors of one hand use two units: %s and %s",
+                                  unit, data->unit[i]);
             unit = data->unit[i];
         }
     }
     return MRT_OK;
 }
 
-/* A line that says the units. 0: it does not, it is a record. > 0: it did. < 0: refused. */
+/* Parses the unit row. Returns 0 if the line is a record, > 0 if it was a unit row, < 0 on an
+ * error. */
 static mrt_result log_table_units(log_table *table, log_data *data, log_text line, char *out_reason)
 {
     log_text unit;
@@ -474,14 +477,13 @@ static mrt_result log_table_units(log_table *table, log_data *data, log_text lin
     uint32_t count = 0;
     while (next_field(&line, &unit)) {
         if (count == data->channel_count)
-            return log_refuse(out_reason, "there are more units than columns");
+            return log_refuse(out_reason, "more units than columns");
         mrt_result result = set_unit(table, data, count++, unit, out_reason);
         if (result < 0)
             return result;
     }
     if (count != data->channel_count)
-        return log_refuse(out_reason, "there are %u units for %u columns", count,
-                          data->channel_count);
+        return log_refuse(out_reason, "%u units for %u columns", count, data->channel_count);
     mrt_result result = check_hands(data, out_reason);
     return result < 0 ? result : 1;
 }
@@ -495,10 +497,10 @@ static mrt_result read_time(const log_table *table, log_text field, int64_t *out
     if (table->time_in_ns) {
         if (read_integer(field, out_ns))
             return MRT_OK;
-        return log_refuse(out_reason, "its time_ns is no whole number within +-4e18");
+        return log_refuse(out_reason, "its time_ns is not a whole number within +-4e18");
     }
     if (!log_text_number(field, &seconds) || !(seconds >= -TIME_MAX_S && seconds <= TIME_MAX_S))
-        return log_refuse(out_reason, "its time_s is no number within +-1e8");
+        return log_refuse(out_reason, "its time_s is not a number within +-1e8");
     double ns = seconds * 1e9;
     *out_ns = (int64_t)(ns < 0.0 ? ns - 0.5 : ns + 0.5);
     return MRT_OK;
@@ -509,7 +511,7 @@ static mrt_result read_value(const log_table *table, const log_data *data, uint3
 {
     double value;
     if (!log_text_number(field, &value))
-        return log_refuse(out_reason, "its \"%s\" is no number", data->name[i]);
+        return log_refuse(out_reason, "its \"%s\" is not a number", data->name[i]);
     value *= table->scale[i];
     if (!(value >= -table->limit[i] && value <= table->limit[i]))
         return log_refuse(out_reason, "its \"%s\" is out of range", data->name[i]);
@@ -537,7 +539,7 @@ static mrt_result log_table_record(log_table *table, const log_data *data, log_t
 
 /* ---- a log ---- */
 
-/* Eleven days: no performance lasts longer, and sums of such times stay far from overflow. */
+/* Eleven days: longer than any performance, and sums of such times do not overflow. */
 static const int64_t LENGTH_MAX_NS = INT64_C(1000000) * 1000000000;
 
 /* ---- records ---- */
@@ -565,7 +567,7 @@ static mrt_result grow(reader *self)
     if (value)
         data->value = value;
     if (!time_ns || !value) {
-        log_refuse(self->reason, "no memory for %zu records", capacity);
+        log_refuse(self->reason, "out of memory for %zu records", capacity);
         return MRT_ERR_MEMORY;
     }
     self->capacity = capacity;
@@ -579,9 +581,9 @@ static mrt_result append(reader *self, const log_record *record)
         self->first_ns = record->time_ns;
     int64_t time_ns = record->time_ns - self->first_ns;
     if (data->record_count > 0 && time_ns < data->time_ns[data->record_count - 1])
-        return log_refuse(self->reason, "its time lies before that of the record above");
+        return log_refuse(self->reason, "its time is before that of the previous record");
     if (time_ns > LENGTH_MAX_NS)
-        return log_refuse(self->reason, "its time lies more than eleven days after the first");
+        return log_refuse(self->reason, "its time is more than eleven days after the first");
     if (data->record_count == self->capacity) {
         mrt_result result = grow(self);
         if (result < 0)
@@ -615,7 +617,7 @@ static void count_damage(reader *self)
 
 /* ---- lines ---- */
 
-/* The first line that says anything decides what the file is. */
+/* Detects the format from the first line that is not a comment. */
 static mrt_result begin(reader *self, log_text line, uint32_t hand)
 {
     if (starts_number(line)) {
@@ -683,7 +685,7 @@ static mrt_result read_lines(reader *self, log_text text, uint32_t hand)
     return MRT_OK;
 }
 
-/* Text has no 0 bytes; a look at the beginning is enough to name what is foreign. */
+/* Text has no 0 bytes; checking the beginning is enough to reject other files. */
 static bool is_binary(const void *bytes, size_t size)
 {
     return memchr(bytes, '\0', size < 4096 ? size : 4096) != NULL;
@@ -703,7 +705,7 @@ mrt_result log_parse(log_data *out, const void *bytes, size_t size, uint32_t han
     if (size == 0)
         return log_refuse(out_reason, "it is empty");
     if (is_binary(bytes, size))
-        return log_refuse(out_reason, "it is no text");
+        return log_refuse(out_reason, "it is not text");
     const char *at = bytes;
     reader self = {.data = out};
     mrt_result result = read_lines(&self, without_byte_order_mark((log_text){at, at + size}), hand);
@@ -714,7 +716,7 @@ mrt_result log_parse(log_data *out, const void *bytes, size_t size, uint32_t han
     return result < 0 ? result : MRT_OK;
 }
 
-/* ---- the other hand ---- */
+/* ---- mirroring ---- */
 
 static void swap_side(log_data *data, uint32_t i)
 {
@@ -728,8 +730,8 @@ static void swap_side(log_data *data, uint32_t i)
     memcpy(name, was_left ? "right" : "left", was_left ? 5 : 4);
 }
 
-/* A point's x changes its sign; a turn's axis is mirrored and its sense turns round, which leaves
- * qx and qw and changes qy and qz. */
+/* Mirroring negates the x of a position. A rotation has its axis mirrored and its direction
+ * reversed, which keeps qx and qw and negates qy and qz. */
 static bool changes_sign(uint32_t semantic)
 {
     return semantic == MRT_CH_WRIST || semantic == MRT_CH_WRIST + 4 || semantic == MRT_CH_WRIST + 5;
@@ -755,7 +757,7 @@ void log_data_finish(log_data *data)
     memset(data, 0, sizeof *data);
 }
 
-/* ---- as a file ---- */
+/* ---- reading a file ---- */
 
 static const size_t SIZE_MAX_BYTES = (size_t)LOG_FILE_MAX_MIB << 20;
 
@@ -765,12 +767,12 @@ static mrt_result refuse(char *out_reason, mrt_result code, const char *reason)
     return code;
 }
 
-/* The size is a hint only: the file may shrink or grow while it is read. */
+/* The size is only a hint: the file may shrink or grow while it is read. */
 static mrt_result read_all(log_file *out, int descriptor, size_t size, char *out_reason)
 {
     out->data = malloc(size + 1);
     if (!out->data)
-        return refuse(out_reason, MRT_ERR_MEMORY, "there is no memory for it");
+        return refuse(out_reason, MRT_ERR_MEMORY, "out of memory");
     while (out->size < size) {
         ssize_t count = read(descriptor, out->data + out->size, size - out->size);
         if (count < 0 && errno == EINTR)

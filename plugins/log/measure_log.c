@@ -1,7 +1,7 @@
-/* measure_log LOG... - what a glove's recordings are like: per sensor the range from the 1st to the
- * 99th percentile, the quantisation step, the noise at rest and how far a value goes when it
- * changes; per log the rate and the share of records that repeat the one before. The table of
- * plugins/log/README.md, and the demo's noise, come from here. */
+/* measure_log LOG... - measures the recordings of a glove. Per sensor: the range from the 1st to
+ * the 99th percentile, the quantisation step, the noise at rest and the size of a change. Per log:
+ * the rate and the share of records that repeat the previous one. It produced the tables of
+ * plugins/log/README.md and the noise of the demos. */
 #include "log_parse.h"
 
 #include <math.h>
@@ -32,8 +32,8 @@ static double percentile(const double *sorted, size_t count, double part)
     return sorted[(size_t)(part * (double)(count - 1) + 0.5)];
 }
 
-/* The median of the gaps between neighbouring levels that are at most half as large again as the
- * smallest one: larger ones skip levels. 0: no two levels. Sorts `values`. */
+/* Returns the median gap between neighbouring levels, of gaps at most 1.5 times the smallest one;
+ * larger gaps skip levels. Returns 0 if there are no two levels. Sorts `values`. */
 static double step_of(double *values, size_t count, double *scratch)
 {
     qsort(values, count, sizeof *values, compare_doubles);
@@ -77,7 +77,8 @@ static void measure_rest(rest *sum, const log_data *log, uint32_t channel, doubl
     }
 }
 
-/* The change, in steps, that nine changes in ten reach: more than 1 tells of a dead band. */
+/* Returns the size of a change, in steps, that nine of ten changes reach. More than 1 shows a dead
+ * band. */
 static double usual_change(const log_data *logs, size_t log_count, uint32_t channel, double step,
                            double *scratch)
 {

@@ -1,5 +1,6 @@
-/* One large field over the face: bending the fingers charges a magnet that draws the skin out or
- * drives it in; the wrist moves it about. What the hand does counts from its pose at engage. */
+/* Mapping: bending the fingers charges a large magnet in front of the face that draws the skin out
+ * or drives it in. The wrist moves the magnet. The hand's movement is relative to its pose at
+ * engage. */
 #include "mapping.h"
 
 #include <math.h>
@@ -25,17 +26,18 @@ static const double rad_per_deg = 0.017453292519943295;
 
 typedef struct magnet {
     double strength; /* -1 .. 1: drives in .. draws out */
-    double x, y;     /* from the place asked for, in heights of the face */
+    double x, y;     /* from the position of the parameters, in heights of the face */
 } magnet;
 
-typedef struct held { /* how a hand is held */
+typedef struct held { /* the pose of a hand */
     double bend, pitch, yaw;
 } held;
 
 struct mrt_plugin {
     mrt_vec3 low, size; /* of the face, mm */
     uint32_t count;
-    mrt_vec3 point[POINTS_MAX]; /* of the field: contacts, or a grid before a face that has none */
+    mrt_vec3 point[POINTS_MAX]; /* points of the field: contacts, or a grid in front of a face
+                                   without contacts */
     uint32_t contact[POINTS_MAX];
     clutch clutch;
     bool is_engaged, has_neutral, has_held;
@@ -49,9 +51,9 @@ static mrt_plugin *create(const mrt_host *host)
     return calloc(1, sizeof(mrt_plugin));
 }
 
-/* ---- where the field is known ---- */
+/* ---- points of the field ---- */
 
-/* On the front of an ellipsoid that fills the bounds. */
+/* Points on the front of an ellipsoid that fills the bounds. */
 static void lay_grid(mrt_plugin *self)
 {
     for (int row = 0; row < GRID; ++row)
@@ -122,7 +124,7 @@ static double bump(double r)
     return rest * rest * rest * rest * (4.0 * r + 1.0);
 }
 
-/* Out of the face, and in part towards the magnet's axis. */
+/* Displacement of a point: out of the face, and in part to the magnet's axis. */
 static mrt_vec3 drawn(const mrt_plugin *self, mrt_vec3 at, const double *params)
 {
     double height = height_of(self), radius = 0.01 * params[RADIUS] * height;
@@ -150,7 +152,7 @@ static void write_field(const mrt_plugin *self, const double *params, mrt_pull *
 
 /* ---- the mapping ---- */
 
-/* What is shown is the base now, and nothing is drawn any more. */
+/* Makes the current shape the base, without a displacement. */
 static void commit(mrt_plugin *self, mrt_pull *pull)
 {
     pull->commit += 1;
@@ -190,7 +192,8 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
         to = wanted(self, &now, params);
     } else if (!self->is_engaged && clutch_springs_back(params + CLUTCH)) {
         to.strength = 0.0;
-        time_s = params[CLUTCH + CLUTCH_RELEASE_TIME] / 3.0; /* in 3 of them 95 % are gone */
+        time_s =
+            params[CLUTCH + CLUTCH_RELEASE_TIME] / 3.0; /* after 3 time constants 95 % are gone */
     }
     follow(&self->shown, &to, smoothing_share(frame->dt_s, time_s));
     write_field(self, params, pull);
@@ -221,29 +224,31 @@ static const char *const fist_labels[] = {"Draws out", "Drives in", NULL};
 static const mrt_param params[PARAM_COUNT] = {
     PERFORMING_HAND_PARAM(1),
     {2, MRT_PARAM_STEPPED, "Fist", "Magnet", "",
-     "What bending the fingers does to the face; stretching them does the opposite.",
+     "Effect of bending the fingers; stretching them has the opposite effect.",
      0, 1, 0, fist_labels},
     {3, 0, "Across", "Magnet", "%",
-     "Where it is: 0 the subject's right edge of the face, 100 the left.", 0, 100, 50, NULL},
-    {4, 0, "Up", "Magnet", "%", "Where it is: 0 the lower edge of the face, 100 the top.",
+     "Position of the magnet: 0 the subject's right edge of the face, 100 the left.",
      0, 100, 50, NULL},
-    {5, 0, "Radius", "Magnet", "%", "How far it is felt, in per cent of the face's height.",
+    {4, 0, "Up", "Magnet", "%",
+     "Position of the magnet: 0 the lower edge of the face, 100 the top.",
+     0, 100, 50, NULL},
+    {5, 0, "Radius", "Magnet", "%", "Radius of the magnet, in per cent of the face's height.",
      10, 200, 55, NULL},
     {6, 0, "Strength", "Magnet", "%",
-     "How far it moves the face at most, in per cent of the face's height.", 0, 30, 10, NULL},
+     "Largest movement of the face, in per cent of its height.", 0, 30, 10, NULL},
     {11, 0, "Inward", "Magnet", "%",
-     "How strong it is when it drives in: beneath the skin of a rig are teeth and eyes.",
+     "Strength when the magnet pushes inwards, where the teeth and eyes are.",
      0, 100, 20, NULL},
     {7, 0, "Gather", "Magnet", "%",
-     "How much of their way to its axis the places around it are drawn together.",
+     "Pull of the points around the magnet to its axis, in per cent of their distance.",
      0, 40, 10, NULL},
     {8, 0, "Travel", "Hand", "deg",
-     "How far the fingers bend for most of the strength: the mean of their joints.",
+     "Mean bend of the finger joints for most of the strength.",
      5, 120, 35, NULL},
     {9, 0, "Wander", "Hand", "%",
-     "How far it moves when the wrist turns by 30 deg, in per cent of the face's height.",
+     "Movement of the magnet when the wrist turns by 30 deg, in per cent of the face's height.",
      0, 200, 40, NULL},
-    {10, 0, "Ease", "Hand", "s", "Time in which it follows the hand.", 0.02, 2, 0.06, NULL},
+    {10, 0, "Ease", "Hand", "s", "Time in which the magnet follows the hand.", 0.02, 2, 0.06, NULL},
     CLUTCH_PARAMS_WITH(1),
 };
 /* clang-format on */
@@ -259,7 +264,7 @@ static const mrt_plugin_type type = {
     "org.marotte.magnet",
     "Magnet",
     "1.0",
-    "Bending the fingers charges one large field that draws the face out or in.",
+    "Bending the fingers charges one large magnet that draws the face out or in.",
     create,
     mapping_destroy,
 };

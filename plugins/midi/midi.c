@@ -1,6 +1,6 @@
 /* midi.c - the plugin "org.marotte.midi": faders, knobs, pads and keys of a MIDI device or program
- * as named channels (midi_table.h), from a port, a device or a pipe (midi_port.h). Motor faders get
- * their value back. README.md says how it is used. */
+ * as named channels (midi_table.h), from a port, a device or a pipe (midi_port.h). Sends values
+ * back to motor faders. README.md is the user's guide. */
 #include "device_io.h"
 #include "midi_port.h"
 #include "midi_table.h"
@@ -17,24 +17,25 @@
 enum { PARAM_FINE, PARAM_MOTOR, PARAM_PEDALS, PARAM_FORGET, PARAM_COUNT };
 enum { ADDRESS = 192, CHUNK = 512, FOLDER = 4000, NOWHERE = -1 };
 
-/* A control that is new waits for others that move with it, then the channels are told anew. That
- * happens so often, and then again when the person opens it. */
+/* Delay after a new control, so that several new controls change the channels only once. After this
+ * number of changes, the channels change only when the user opens the input. */
 static const int64_t learn_ns = 300000000;
 enum { LEARN_TIMES = 5 };
-/* Who has said that it is there says so every 300 ms. */
+/* A sender of active sensing messages repeats them every 300 ms. */
 static const int64_t sensing_ns = 420000000;
-/* What has not changed is said again so often that silence means trouble. */
+/* An unchanged state is repeated at this interval, so that silence shows a fault. */
 static const int64_t repeat_ns = 1000000000;
 static const int64_t motor_ns = 10000000;
-/* A thousand messages a second, in bunches too, are each a sample; of a flood the newest values. */
+/* Up to a thousand messages per second each become a sample, even in bunches. Of more messages only
+ * the newest values are used. */
 enum { BUDGET_MOST = 1000, BUDGET_PER_MS = 2 };
 
 struct mrt_plugin {
     const mrt_host *host;
-    bool is_open, is_restarting; /* restarting: the port stays, so that nothing is missed */
+    bool is_open, is_restarting; /* restarting: the port stays open, so that no message is lost */
     char address[ADDRESS];       /* as opened */
-    char found[MIDI_PORT_NAME];  /* whom "" has meant; "" while nobody */
-    char name[MIDI_PORT_NAME];   /* the device's; "" of a pipe */
+    char found[MIDI_PORT_NAME];  /* device found at the address ""; "": none yet */
+    char name[MIDI_PORT_NAME];   /* name of the device; "" for a pipe */
     midi_port port;
     bool is_lost, has_told_loss;
     trace trace;
@@ -44,20 +45,20 @@ struct mrt_plugin {
     float value[MRT_MAX_CHANNELS];       /* of the channels */
     float heard_value[MRT_MAX_CHANNELS]; /* of table.heard */
     float sent_value[MRT_MAX_CHANNELS];  /* back, of table.heard */
-    bool is_owed[MRT_MAX_CHANNELS];      /* to the motor, of table.heard */
+    bool is_owed[MRT_MAX_CHANNELS]; /* values sent to the motors, in the order of table.heard */
     int64_t motor_due_ns;
     uint32_t learn_count;
-    int64_t learn_due_ns; /* INT64_MAX: there is nothing new */
+    int64_t learn_due_ns; /* INT64_MAX: no new control */
     bool has_told_full, is_unsaved;
 
     uint8_t chunk[CHUNK];
     size_t chunk_size, chunk_at;
-    midi_event event; /* that waits until a sample was given */
+    midi_event event; /* event that waits until a sample was returned */
     bool has_event;
-    int64_t chunk_ns;                /* when it came */
+    int64_t chunk_ns;                /* time of arrival */
     bool is_touched;                 /* something changed since the last sample */
     bool is_moved[MRT_MAX_CHANNELS]; /* of the channels, since the last sample */
-    int64_t sensing_due_ns;          /* INT64_MAX: the device does not say that it is there */
+    int64_t sensing_due_ns;          /* INT64_MAX: the device sends no active sensing messages */
     bool has_given;
     int64_t last_ns, repeat_due_ns;
     uint32_t sequence, missed;
@@ -65,9 +66,9 @@ struct mrt_plugin {
     bool opened_fine, opened_pedals;
 };
 
-/* ---- what was heard, kept by device ---- */
+/* ---- storing the controls of a device ---- */
 
-/* False: nothing is kept of it. */
+/* Returns false if the controls cannot be stored. */
 static bool find_file(const mrt_plugin *self, char *out, size_t capacity)
 {
     const mrt_folders *folders = self->host->service(self->host, MRT_FOLDERS);
@@ -110,10 +111,10 @@ static void save_table(mrt_plugin *self)
     if (file >= 0)
         is_written &= close(file) == 0;
     if (!is_written || rename(fresh, path) != 0)
-        device_say(self->host, MRT_LOG_WARNING,
-                   "%.200s cannot be written (%s): its controls are "
-                   "found again as they are moved",
-                   path, strerror(errno));
+        device_say(
+            self->host, MRT_LOG_WARNING,
+            "cannot write %.200s (%s): move each control once in the next session to find it again",
+            path, strerror(errno));
 }
 
 /* ---- opening ---- */
@@ -153,7 +154,7 @@ static void forget(mrt_plugin *self)
     memset(self->is_owed, 0, sizeof self->is_owed);
 }
 
-/* Another device; the table of the one before is of no use. */
+/* Opens another device; the table of the previous one does not apply. */
 static mrt_result open_afresh(mrt_plugin *self, const char *address)
 {
     char reason[MIDI_REASON] = "", before[MIDI_PORT_NAME];
@@ -176,9 +177,9 @@ static mrt_result open_afresh(mrt_plugin *self, const char *address)
         load_table(self);
     }
     if (self->port.seq && self->name[0] == '\0')
-        device_say(self->host, MRT_LOG_INFO,
-                   "no MIDI device is plugged in: plug one in, or connect a program to the port "
-                   "\"marotte\"");
+        device_say(
+            self->host, MRT_LOG_INFO,
+            "no MIDI device found: plug one in, or connect a program to the port \"marotte\"");
     self->chunk_size = self->chunk_at = 0;
     self->has_event = false;
     midi_parser_init(&self->parser, self->opened_fine);
@@ -224,7 +225,7 @@ static void restart(mrt_plugin *self)
 
 /* ---- events ---- */
 
-/* Whether what has come already must be a sample before this is. */
+/* Returns true if the pending changes must become a sample before this event. */
 static bool is_next_move(const mrt_plugin *self, const midi_event *event)
 {
     const int channel = event->kind < MIDI_RELEASE
@@ -246,11 +247,12 @@ static void learn(mrt_plugin *self, midi_control control)
     midi_control_name(control, name);
     if (self->learn_count == LEARN_TIMES) {
         device_say(self->host, MRT_LOG_WARNING,
-                   "%s is new, and a channel when the input is opened again", name);
+                   "%s is a new control. It becomes a channel when the input is opened again",
+                   name);
         return;
     }
     self->learn_due_ns = self->chunk_ns + learn_ns;
-    device_say(self->host, MRT_LOG_DEBUG, "%s is new", name);
+    device_say(self->host, MRT_LOG_DEBUG, "new control: %s", name);
 }
 
 static void move(mrt_plugin *self, const midi_event *event)
@@ -267,7 +269,7 @@ static void move(mrt_plugin *self, const midi_event *event)
     } else if (heard < 0 && !self->has_told_full) {
         self->has_told_full = true;
         device_say(self->host, MRT_LOG_WARNING,
-                   "%u controls have been heard, and more is not possible: forget=1 begins anew",
+                   "the limit of %u controls is reached: set forget=1 to start again",
                    self->table.heard_count);
     }
     if (heard >= 0) {
@@ -278,7 +280,7 @@ static void move(mrt_plugin *self, const midi_event *event)
         set_channel(self, channel, event->value);
 }
 
-/* Notes are off and pedals up: of one MIDI channel or of all. */
+/* Releases notes and pedals of one MIDI channel or of all. */
 static void release(mrt_plugin *self, uint8_t midi_channel)
 {
     for (uint32_t i = 0; i < self->table.count; ++i) {
@@ -327,7 +329,7 @@ static mrt_result give(mrt_plugin *self, int64_t time_ns, mrt_sample *out)
     return MRT_OK;
 }
 
-/* How many samples may be given now: a flood is thinned out. */
+/* Returns the number of samples allowed now, to limit a flood of messages. */
 static int64_t budget_at(mrt_plugin *self, int64_t now_ns)
 {
     const int64_t gained = (now_ns - self->budget_ns) / 1000000 * BUDGET_PER_MS;
@@ -348,7 +350,7 @@ static bool afford(mrt_plugin *self)
     return true;
 }
 
-/* The next event of what has come; false: there is none any more. */
+/* Finds the next event in the received bytes. Returns false if there are no more. */
 static bool find_event(mrt_plugin *self)
 {
     while (!self->has_event && self->chunk_at < self->chunk_size)
@@ -356,7 +358,7 @@ static bool find_event(mrt_plugin *self)
     return self->has_event;
 }
 
-/* Takes what has come. True: a sample is due, and then the rest. */
+/* Processes the received bytes. Returns true if a sample is due; the rest follows later. */
 static bool take_chunk(mrt_plugin *self)
 {
     while (find_event(self)) {
@@ -392,8 +394,9 @@ static size_t write_message(midi_control control, float value, bool is_fine, uin
     return 6;
 }
 
-/* The newest value of each fader goes back, else its motor draws it to where it was. What comes
- * back unchanged is not sent once more, so that two programs do not answer each other for ever. */
+/* Sends the newest value of each fader back, because otherwise its motor pulls it to its old
+ * position. An echo of the same value is not sent again, so that two programs do not answer each
+ * other forever. */
 static void drive_motors(mrt_plugin *self, int64_t now_ns)
 {
     if (!self->port.can_write || now_ns < self->motor_due_ns)
@@ -407,7 +410,7 @@ static void drive_motors(mrt_plugin *self, int64_t now_ns)
             size_t size = write_message(self->table.heard[i], self->heard_value[i],
                                         self->opened_fine, message);
             if (!midi_port_write(&self->port, message, size))
-                return; /* it is not ready: later */
+                return; /* not ready: try again later */
             trace_sent(&self->trace, now_ns, message, size);
             self->sent_value[i] = self->heard_value[i];
         }
@@ -430,18 +433,18 @@ static bool has_motor_due(const mrt_plugin *self, const double *params)
 static mrt_result lose(mrt_plugin *self, mrt_sample *out)
 {
     self->is_lost = true;
-    self->is_restarting = false; /* what is gone is not kept */
+    self->is_restarting = false; /* do not store values of a lost device */
     release(self, MIDI_ALL_CHANNELS);
     if (self->is_touched)
         return give(self, self->host->now_ns(self->host), out);
     if (!self->has_told_loss)
-        device_say(self->host, MRT_LOG_ERROR, "%.100s went away: plug it in again",
+        device_say(self->host, MRT_LOG_ERROR, "%.100s was disconnected: plug it in again",
                    self->name[0] ? self->name : self->address);
     self->has_told_loss = true;
     return MRT_ERR_IO;
 }
 
-/* False: the device is gone. */
+/* Returns false if the device was lost. */
 static bool receive(mrt_plugin *self)
 {
     int size = midi_port_read(&self->port, self->chunk, sizeof self->chunk);
@@ -468,13 +471,13 @@ static void follow_params(mrt_plugin *self, const double *params)
         restart(self);
 }
 
-/* True: a sample was given, or there is nothing to read any more; out_result says which. */
+/* Returns true if a sample was returned or reading ended; out_result has the result. */
 static bool act(mrt_plugin *self, int64_t now_ns, mrt_sample *out)
 {
     if (now_ns >= self->sensing_due_ns) {
         self->sensing_due_ns = INT64_MAX;
         device_say(self->host, MRT_LOG_WARNING,
-                   "%.100s does not say any more that it is there: its notes and pedals are up",
+                   "%.100s stopped its active sensing messages: its notes and pedals are released",
                    self->name[0] ? self->name : self->address);
         release(self, MIDI_ALL_CHANNELS);
     }
@@ -494,7 +497,7 @@ static bool act(mrt_plugin *self, int64_t now_ns, mrt_sample *out)
 static int64_t next_due_ns(const mrt_plugin *self, const double *params)
 {
     int64_t due_ns = device_sooner_ns(self->sensing_due_ns, self->learn_due_ns);
-    if (self->is_touched) /* and may not be given yet */
+    if (self->is_touched) /* but not yet allowed by the budget */
         due_ns = device_sooner_ns(due_ns, self->budget_ns + 1000000);
     if (self->has_given)
         due_ns = device_sooner_ns(due_ns, self->repeat_due_ns);
@@ -521,7 +524,7 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
         if (has_motor_due(self, params))
             drive_motors(self, now_ns);
         if (self->chunk_size > 0) {
-            if (now_ns >= deadline_ns) /* a flood: the host may have something else to do */
+            if (now_ns >= deadline_ns) /* a flood: let the host do other work */
                 return MRT_TIMEOUT;
             continue;
         }
@@ -579,17 +582,15 @@ static void destroy(mrt_plugin *self)
 static const char *const switch_label[] = {"off", "on", NULL};
 static const mrt_param params_table[PARAM_COUNT] = {
     [PARAM_FINE] = {1, MRT_PARAM_STEPPED, "fine", "MIDI", "",
-                    "Whether controllers 32 to 63 are the low bits of 0 to 31, for faders of 14 "
-                    "bits",
-                    0, 1, 0, switch_label},
+                    "Use controllers 32 to 63 as the low bits of 0 to 31, for 14-bit faders", 0, 1,
+                    0, switch_label},
     [PARAM_MOTOR] = {2, MRT_PARAM_STEPPED, "motor", "MIDI", "",
-                     "Whether faders get their value back, as motor faders want it", 0, 1, 0,
-                     switch_label},
+                     "Send values back to the faders, for motor faders", 0, 1, 0, switch_label},
     [PARAM_PEDALS] = {3, MRT_PARAM_STEPPED, "pedals", "MIDI", "",
-                      "Whether the pedals of a piano (controllers 64, 66, 67) are pedals 1 to 3", 0,
-                      1, 0, switch_label},
+                      "Use the pedals of a piano (controllers 64, 66, 67) as pedals 1 to 3", 0, 1,
+                      0, switch_label},
     [PARAM_FORGET] = {4, MRT_PARAM_TRIGGER, "forget", "MIDI", "",
-                      "Forgets which controls this device has been heard to have", 0, 1, 0, NULL},
+                      "Forget the controls found on this device", 0, 1, 0, NULL},
 };
 
 static const mrt_input input = {input_open, input_channels, input_read, input_close, 0};

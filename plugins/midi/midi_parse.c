@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-/* Status bytes, the channel in the low four bits. */
+/* Status bytes, with the channel in the low four bits. */
 enum {
     NOTE_OFF = 0x80,
     NOTE_ON = 0x90,
@@ -21,7 +21,7 @@ enum {
     RESET = 0xff
 };
 
-/* Controllers with a meaning of their own. */
+/* Controllers with a special meaning. */
 enum {
     DATA_ENTRY = 6,
     DATA_ENTRY_LOW = 38,
@@ -58,7 +58,7 @@ static bool give(midi_event *out, midi_kind kind, uint8_t channel, uint16_t numb
 
 /* ---- time code ---- */
 
-/* hour has the rate in bits 5 and 6. */
+/* The rate is in bits 5 and 6 of hour. */
 static bool give_time(uint8_t hour, uint8_t minute, uint8_t second, uint8_t frame, float ahead,
                       midi_event *out)
 {
@@ -77,8 +77,8 @@ static bool give_time(uint8_t hour, uint8_t minute, uint8_t second, uint8_t fram
     return true;
 }
 
-/* Eight messages in order, a quarter of a frame apart, make one time, which was that of the first.
- */
+/* Eight messages in order, a quarter of a frame apart, make one time: the time of the first
+ * message. */
 static bool take_quarter(midi_parser *self, uint8_t data, midi_event *out)
 {
     const uint8_t piece = data >> 4;
@@ -120,7 +120,7 @@ static bool take_entry(midi_parser *self, uint8_t channel, uint8_t number, uint8
     return give(out, MIDI_NRPN, channel, parameter, of_14_bits(entry->coarse, value));
 }
 
-/* 7f 7f: none any more. */
+/* 7f 7f: no parameter selected. */
 static void choose_entry(midi_entry *entry, uint8_t number, uint8_t value)
 {
     const bool is_nrpn = number == NRPN_LOW || number == NRPN_HIGH;
@@ -216,7 +216,7 @@ static bool take_data(midi_parser *self, uint8_t byte, midi_event *out)
         return false;
     self->have = 0;
     bool says = take_message(self, out);
-    if (self->status >= EXCLUSIVE) /* only channel messages run on */
+    if (self->status >= EXCLUSIVE) /* running status applies only to channel messages */
         self->status = 0;
     return says;
 }

@@ -23,19 +23,19 @@ static const char *advice(int error)
     case ENOENT:
     case ENODEV:
     case ENXIO:
-        return "nothing is there: plug it in, or see what there is with: marotte devices";
+        return "it does not exist: plug it in, or list the devices with: marotte devices";
     case EACCES:
     case EPERM:
-        return "you may not open it: sudo adduser $USER audio, then log in again";
+        return "you have no permission to open it: run sudo adduser $USER audio, then log in again";
     case EBUSY:
     case EAGAIN:
-        return "another program has it: end that, or name it as a port of the sequencer";
+        return "another program uses it: close that program, or use the device's sequencer port";
     default:
         return strerror(error);
     }
 }
 
-/* Of /dev/snd/midiC1D0 the sound card's own name: "nanoKONTROL2". */
+/* Finds the sound card's name of /dev/snd/midiC1D0: "nanoKONTROL2". */
 static void find_name(const char *path, char out[MIDI_PORT_NAME])
 {
     static const char prefix[] = "/dev/snd/midiC";
@@ -49,7 +49,7 @@ static void find_name(const char *path, char out[MIDI_PORT_NAME])
     device_read_line(file, out, MIDI_PORT_NAME);
 }
 
-/* A serial line must not take bytes for commands. */
+/* Turns off the interpretation of bytes as commands on a serial line. */
 static void make_plain(int descriptor)
 {
     struct termios line;
@@ -59,8 +59,8 @@ static void make_plain(int descriptor)
     (void)tcsetattr(descriptor, TCSANOW, &line);
 }
 
-/* -1: out_reason says why. out_can_write: motors can be driven. A pipe goes on when its writer ends
- * and another one comes. */
+/* Returns -1 on failure, with the reason in out_reason. out_can_write: motors can be driven. A pipe
+ * stays open when its writer ends and another one starts. */
 static int raw_open(const char *path, char out_name[MIDI_PORT_NAME], bool *out_can_write,
                     char out_reason[MIDI_REASON])
 {
@@ -71,12 +71,12 @@ static int raw_open(const char *path, char out_name[MIDI_PORT_NAME], bool *out_c
         error = errno;
     } else if (!S_ISCHR(about.st_mode) && !S_ISFIFO(about.st_mode)) {
         (void)snprintf(out_reason, MIDI_REASON,
-                       "%.100s is neither a device nor a pipe: make one with mkfifo, and send "
-                       "MIDI bytes into it",
+                       "%.100s is neither a device nor a pipe: create a pipe with mkfifo and write "
+                       "MIDI bytes to it",
                        path);
         return -1;
     } else {
-        /* of a pipe too: it then has a writer always, and never ends */
+        /* write access also for a pipe: so it always has a writer and never ends */
         descriptor = open(path, flags | O_RDWR);
         *out_can_write = descriptor >= 0 && S_ISCHR(about.st_mode);
         if (descriptor < 0 && (errno == EACCES || errno == EROFS))
@@ -103,7 +103,7 @@ static int raw_read(int descriptor, uint8_t *out, size_t capacity)
 
 static const char pattern[] = "/dev/snd/midiC*D*", old_pattern[] = "/dev/midi*";
 
-/* Those of before ALSA are the same devices once more, if ALSA is there. */
+/* Lists the old names /dev/midi* only without ALSA, because with it they are the same devices. */
 static bool look(glob_t *out)
 {
     if (glob(pattern, 0, NULL, out) == 0 && out->gl_pathc > 0)
@@ -112,7 +112,7 @@ static bool look(glob_t *out)
     return glob(old_pattern, 0, NULL, out) == 0;
 }
 
-/* The n-th device of this computer, from 0; false: there are not so many. */
+/* Finds the n-th device of this computer, from 0. Returns false if there are fewer. */
 static bool raw_find(uint32_t n, char out_path[32])
 {
     glob_t found;
@@ -151,7 +151,7 @@ typedef struct midi_seq {
     snd_seq_t *seq;
     snd_midi_event_t *coder;
     int port, descriptor;
-    bool wants_any; /* and the next device that comes will do */
+    bool wants_any; /* for "": connects to the next device that appears */
     bool is_connected;
     snd_seq_addr_t source;
 } midi_seq;
@@ -163,12 +163,12 @@ static bool seq_is_there(void)
     return access(node, R_OK | W_OK) == 0;
 }
 
-/* ---- the sequencer: ports of others ---- */
+/* ---- the sequencer: other programs' ports ---- */
 
 typedef struct found_port {
     snd_seq_addr_t at;
     bool is_device;            /* not a program's */
-    char name[MIDI_PORT_NAME]; /* of its client, and of the port where a client has several */
+    char name[MIDI_PORT_NAME]; /* name of its client, and of the port if the client has several */
 } found_port;
 
 static bool can_be_heard(const snd_seq_port_info_t *port)
@@ -190,12 +190,12 @@ static void name_port(found_port *out, snd_seq_client_info_t *client,
     else
         (void)snprintf(out->name, sizeof out->name, "%.30s %.30s", client_name ? client_name : "",
                        port_name);
-    for (char *c = out->name; *c; ++c) /* a ',' begins parameters in an input's text */
+    for (char *c = out->name; *c; ++c) /* a ',' begins parameters in the text of an input */
         if ((unsigned char)*c < ' ' || *c == 0x7f || *c == ',')
             *c = ' ';
 }
 
-/* Calls `visit` for each port that can be heard, until it returns true. */
+/* Calls `visit` for each port that can be read, until it returns true. */
 static bool visit_ports(snd_seq_t *seq, bool (*visit)(const found_port *port, void *data),
                         void *data)
 {
@@ -214,7 +214,7 @@ static bool visit_ports(snd_seq_t *seq, bool (*visit)(const found_port *port, vo
             found_port found = {.at = *snd_seq_port_info_get_addr(port),
                                 .is_device =
                                     snd_seq_client_info_get_type(client) == SND_SEQ_KERNEL_CLIENT};
-            /* "Midi Through" gives back what programs send: it is no device */
+            /* "Midi Through" returns the messages of other programs: it is not a device */
             found.is_device &= (snd_seq_port_info_get_type(port) & SND_SEQ_PORT_TYPE_HARDWARE) != 0;
             name_port(&found, client, port);
             if (can_be_heard(port) && visit(&found, data))
@@ -248,7 +248,7 @@ static bool connect_to(midi_seq *self, const snd_seq_addr_t *source)
 {
     if (snd_seq_connect_from(self->seq, self->port, source->client, source->port) < 0)
         return false;
-    /* where motors are; a device without them does not listen */
+    /* for motors; fails on a device that does not receive */
     (void)snd_seq_connect_to(self->seq, self->port, source->client, source->port);
     self->source = *source;
     self->is_connected = true;
@@ -277,7 +277,7 @@ static bool join(midi_seq *self)
     if (self->port < 0 || self->descriptor < 0 || snd_midi_event_new(MESSAGE, &self->coder) < 0)
         return false;
     snd_midi_event_no_status(self->coder, 1);
-    /* who comes and who goes */
+    /* announcements of clients that appear and disappear */
     return snd_seq_connect_from(self->seq, self->port, SND_SEQ_CLIENT_SYSTEM,
                                 SND_SEQ_PORT_SYSTEM_ANNOUNCE) >= 0;
 }
@@ -293,7 +293,8 @@ static void seq_close(midi_seq *self)
     free(self);
 }
 
-/* Joins as the port "marotte" and takes what the wanted port sends. NULL: out_reason says why. */
+/* Creates the port "marotte" and connects the wanted port to it. Returns NULL on failure, with the
+ * reason in out_reason. */
 static midi_seq *seq_open(const char *wanted, char out_name[MIDI_PORT_NAME],
                           char out_reason[MIDI_REASON])
 {
@@ -302,8 +303,8 @@ static midi_seq *seq_open(const char *wanted, char out_name[MIDI_PORT_NAME],
     out_name[0] = '\0';
     if (!self || !join(self)) {
         (void)snprintf(out_reason, MIDI_REASON,
-                       "ALSA's sequencer cannot be joined: is snd-seq loaded, and may this user "
-                       "open %s (group audio)?",
+                       "cannot open the ALSA sequencer: is snd-seq loaded, and can this user open "
+                       "%s (group audio)?",
                        node);
         seq_close(self);
         return NULL;
@@ -317,10 +318,10 @@ static midi_seq *seq_open(const char *wanted, char out_name[MIDI_PORT_NAME],
     if (!is_found && self->wants_any)
         return self;
     (void)snprintf(out_reason, MIDI_REASON,
-                   is_found ? "the MIDI port \"%.100s\" cannot be connected: another program has "
-                              "it for itself: end that"
-                            : "no MIDI port is called \"%.100s\": plug it in, or see what there is "
-                              "with: marotte devices",
+                   is_found ? "cannot connect the MIDI port \"%.100s\": another program uses it "
+                              "exclusively: close that program"
+                            : "no MIDI port has the name \"%.100s\": plug it in, or list the "
+                              "devices with: marotte devices",
                    wanted);
     seq_close(self);
     return NULL;
@@ -328,7 +329,7 @@ static midi_seq *seq_open(const char *wanted, char out_name[MIDI_PORT_NAME],
 
 /* ---- the sequencer: bytes ---- */
 
-/* False: what was heard is gone. */
+/* Returns false if the source was lost. */
 static bool take_news(midi_seq *self, const snd_seq_event_t *event)
 {
     const snd_seq_addr_t *at = &event->data.addr;
@@ -353,7 +354,7 @@ static int seq_read(midi_seq *self, uint8_t *out, size_t capacity)
         int result = snd_seq_event_input(self->seq, &event);
         if (result == -EAGAIN)
             return 0;
-        if (result == -ENOSPC) /* the queue ran over: go on with what comes */
+        if (result == -ENOSPC) /* the queue overflowed: continue with the next events */
             continue;
         if (result < 0 || !event)
             return -1;
@@ -397,7 +398,8 @@ typedef struct listing {
     uint32_t count, capacity;
 } listing;
 
-/* By name, which stays when it is plugged in again; by numbers where a name is not its own. */
+/* The address is the name, which stays the same after reconnecting; the numbers if several ports
+ * have the same name. */
 static bool list_port(const found_port *port, void *data)
 {
     listing *self = data;
@@ -484,7 +486,7 @@ void midi_port_init(midi_port *self)
     *self = (midi_port){.descriptor = -1};
 }
 
-/* A device of the kernel alone where there is no sequencer. */
+/* Only a kernel device if there is no sequencer. */
 bool midi_port_open(midi_port *self, const char *wanted, char out_name[MIDI_PORT_NAME],
                     char out_reason[MIDI_REASON])
 {
@@ -501,8 +503,7 @@ bool midi_port_open(midi_port *self, const char *wanted, char out_name[MIDI_PORT
         (void)snprintf(out_reason, MIDI_REASON,
                        "%s%.100s%s: this system has no MIDI sequencer (/dev/snd/seq): name a "
                        "device or a pipe, as in midi:/dev/snd/midiC1D0",
-                       wanted[0] ? "\"" : "no MIDI device is plugged in", wanted,
-                       wanted[0] ? "\"" : "");
+                       wanted[0] ? "\"" : "no MIDI device found", wanted, wanted[0] ? "\"" : "");
         return false;
     }
     self->descriptor = raw_open(wanted, out_name, &self->can_write, out_reason);

@@ -56,7 +56,7 @@ void midi_control_name(midi_control control, char out[MIDI_NAME])
         (void)snprintf(out, MIDI_NAME, "%s%s", prefix, name);
 }
 
-/* Takes at most five digits off the text. */
+/* Removes a number of at most five digits from the text. */
 static bool take_number(const char **text, const char *end, uint32_t *out)
 {
     const char *begin = *text;
@@ -105,7 +105,7 @@ bool midi_control_parse(midi_control *out, const char *text, size_t length)
 
 /* ---- the table ---- */
 
-/* -1: it is none of them. */
+/* Returns the index; -1: not found. */
 static int index_of(const midi_control *controls, uint32_t count, midi_control control)
 {
     for (uint32_t i = 0; i < count; ++i)

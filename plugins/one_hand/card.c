@@ -17,7 +17,7 @@ enum {
     AT_LITTLE_TIP = 20
 };
 
-/* A way of some 25 degrees is all of it. */
+/* A movement of about 25 degrees counts as full. */
 #define WAY 2.3f
 
 static const mrt_card_line joints[] = {
@@ -39,7 +39,7 @@ static const mrt_card_line joints[] = {
     {"Index knuckle lifted, bent", "brows up, down", AT_INDEX_KNUCKLE, {[4] = -WAY}},
     {"Middle knuckle bent, lifted", "eyes close, widen", AT_MIDDLE_KNUCKLE, {[7] = WAY}},
     {"Wrist", "head nods and turns", AT_WRIST, {[20] = WAY, [21] = WAY}},
-    /* points hardly show this one: it is the last */
+    /* last, because points hardly show it */
     {"Palm arched", "inner brows up", AT_RING_KNUCKLE, {[19] = 5.0f}},
 };
 

@@ -1,4 +1,4 @@
-/* one_hand/card.h - what each part of the hand does, in the performer's words: MRT_HAND_CARD. Pure;
+/* one_hand/card.h - MRT_HAND_CARD: what each part of the hand does, in the performer's words. Pure;
  * any thread. */
 #ifndef MAROTTE_PLUGINS_ONE_HAND_CARD_H
 #define MAROTTE_PLUGINS_ONE_HAND_CARD_H

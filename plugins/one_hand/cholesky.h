@@ -8,9 +8,9 @@ typedef struct cholesky {
     double at[CHOLESKY_MAX][CHOLESKY_MAX]; /* lower triangle: the matrix, then its factor */
 } cholesky;
 
-/* False: not positive definite. */
+/* Factors the matrix in place. Returns false if it is not positive definite. */
 bool cholesky_factor(cholesky *self, int count);
-/* x: the right-hand side, then the solution. */
+/* Solves in place. x: the right-hand side, then the solution. */
 void cholesky_solve(const cholesky *self, int count, double *x);
 
 #endif

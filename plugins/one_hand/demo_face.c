@@ -1,9 +1,10 @@
 /* demo_face demo PHONEMES.csv [FILE], demo_face emotions [FILE] - writes the hand recordings in
- * which one right hand performs a face through the mapping one_hand: what espeak-ng has said
- * (demo_voice.c), and eight expressions. Hands are held as the mapping's table has them (faces.h).
- * The mouth moves from viseme to viseme by minimum jerk; weak visemes take colour from their
- * neighbours, and what a hand cannot reach in time is weakened. Lips of p, b and m are never
- * weakened. The same bytes on every machine: + - * / and a generator of its own. */
+ * which one right hand performs a face with the mapping one_hand: the sentence synthesised by
+ * espeak-ng (demo_voice.c), and eight expressions. The hand poses are those of the mapping's table
+ * (faces.h). The mouth moves from viseme to viseme by minimum jerk. Weak visemes are influenced by
+ * their neighbours, and movements that a hand cannot reach in time are weakened. Lips of p, b and m
+ * are never weakened. The output has the same bytes on every machine: + - * / and a built-in random
+ * generator. */
 #include "faces.h"
 
 #include <stdbool.h>
@@ -13,11 +14,12 @@
 #include <string.h>
 
 enum { RATE_HZ = 100, KEYS_MAX = 512, STROKES_MAX = 256, WRIST_MAX = 128, PHONES_MAX = 400 };
-static const double speed_most = 370.0; /* deg/s at a joint; less than a hand's 400: it trembles */
+static const double speed_most =
+    370.0; /* deg/s at a joint; below the limit of a hand, 400, because of its tremor */
 
 /* ---- small ---- */
 
-/* Flash and Hogan 1985: the smoothest way from 0 to 1. Its greatest speed is 1.875. */
+/* Flash and Hogan 1985: the smoothest movement from 0 to 1. Its maximum speed is 1.875. */
 static double minimum_jerk(double s)
 {
     if (s <= 0.0)
@@ -54,14 +56,14 @@ static double next_random(uint64_t *state)
 
 /* ---- a performance ---- */
 
-/* The mouth while it speaks: where its joints are from reached_s to left_s. */
+/* A pose of the mouth in speech, held from reached_s to left_s. */
 typedef struct key {
     double reached_s, left_s;
-    double firmness; /* 0: the mouth takes the shape of the neighbours; 1: the shape of its own */
+    double firmness; /* 0: the mouth takes the shape of its neighbours; 1: its own shape */
     double deg[JOINT_COUNT];
 } key;
 
-/* A face that is reached, held and left. Later ones cover earlier ones. */
+/* A face that is reached, held and left. Later strokes override earlier ones. */
 typedef struct stroke {
     double start_s, rise_s, hold_s, fall_s;
     face_half half;
@@ -89,7 +91,7 @@ static _Noreturn void refuse(const char *what, const char *name)
     exit(1);
 }
 
-/* The hand of a face of that half, weakened. */
+/* Returns the weakened hand pose of a face of that half. */
 static void hand_of(double out[JOINT_COUNT], const char *name, face_half half, double share)
 {
     for (int f = 0; f < FACE_COUNT; ++f)
@@ -177,7 +179,7 @@ static void read_speech(speech *out, const char *path)
 
 typedef enum manner { VOWEL = 0, CONSONANT, CLOSURE, GLIDE } manner;
 
-/* espeak-ng's names of English. `then`: where a diphthong goes. */
+/* English phonemes with their names in espeak-ng. `then`: end of a diphthong. */
 static const struct sound {
     const char *name, *viseme, *then;
     manner manner;
@@ -232,10 +234,10 @@ static key *add_key(performance *p, const char *face, double share, double firmn
     return out;
 }
 
-static const double lead_s = 0.05; /* of the mouth before its sound, when it has its shape */
+static const double lead_s = 0.05; /* time before the sound at which the mouth has its shape */
 static const double pause_least_s = 0.2;
 
-/* A closure is reached earlier: the lips need 60 ms to close once the thumb presses. */
+/* A closure is reached earlier, because the lips need 60 ms to close after the thumb presses. */
 static void add_sound_keys(performance *p, const phone *now)
 {
     const struct sound *is = sound_named(now->name);
@@ -262,7 +264,8 @@ static void add_sound_keys(performance *p, const phone *now)
     (void)add_key(p, is->then, 0.9, 0.7, s + 0.9 * d, e);
 }
 
-/* The mouth of a pause, from where its sound ends to where the next mouth is prepared. */
+/* The mouth in a pause, from the end of the sound before it to the preparation of the next
+ * mouth. */
 static void add_pause_keys(performance *p, double start_s, double end_s)
 {
     if (end_s - start_s < pause_least_s)
@@ -271,14 +274,15 @@ static void add_pause_keys(performance *p, double start_s, double end_s)
     (void)add_key(p, "smile", 0.8, 0.9, smaller(reached_s, left_s), left_s);
 }
 
-/* Lips close by the thumb alone, whatever shape they have meanwhile. */
+/* Only the thumb closes the lips, in any shape of the mouth. */
 static double firmness_of(const key *k, int joint)
 {
     static const double of_shape = 0.6;
     return k->firmness >= 1.0 && joint > JOINT_THUMB_TIP ? of_shape : k->firmness;
 }
 
-/* Firm keys before and after, by how near they are in time, colour the weak one. */
+/* Blends the weak key with the nearest firm keys before and after it, weighted by their distance in
+ * time. */
 static void coarticulate(performance *p)
 {
     static double own[KEYS_MAX][JOINT_COUNT];
@@ -310,7 +314,7 @@ static double needed_s(const key *a, const key *b)
     return furthest * peak_of_minimum_jerk / speed_most;
 }
 
-/* Holds are shortened first, then the weaker key of two comes nearer to the other. */
+/* Limits the speed: shortens holds first, then moves the weaker of two keys nearer to the other. */
 static void keep_speed(performance *p)
 {
     static const double gap_least_s = 0.04, hold_of_closure_s = 0.08;
@@ -377,7 +381,7 @@ static void author_mouth(performance *p, const speech *said)
 
 /* ---- speech: the upper half and the head ---- */
 
-/* The start of pause number i and its length: of neighbours that are one. */
+/* Finds the start and the length of pause number i; adjacent pauses are merged. */
 static int find_pauses(double start_s[PHONES_MAX], double length_s[PHONES_MAX], const speech *said)
 {
     int count = 0;
@@ -395,8 +399,8 @@ static int find_pauses(double start_s[PHONES_MAX], double length_s[PHONES_MAX], 
     return count;
 }
 
-/* Wakes, looks at the viewer, thinks aside in every other pause, blinks in the others, lifts the
- * brows on stressed words, and ends with a wink. */
+/* The performer wakes, looks at the viewer, looks aside in every other pause, blinks in the others,
+ * lifts the brows on stressed words, and ends with a wink. */
 static void author_upper(performance *p, const speech *said)
 {
     double pause_s[PHONES_MAX], length_s[PHONES_MAX];
@@ -431,7 +435,7 @@ static void author_upper(performance *p, const speech *said)
     add_stroke(p, "joy", HALF_MOUTH, 1.0, (timing){end_s - 0.02, 0.3, 0.5, 0.35});
 }
 
-/* A head that is never still: it drifts, and nods with stressed words. */
+/* The head is never still: it drifts, and nods on stressed words. */
 static void author_head(performance *p, const speech *said)
 {
     double time_s = 0.55;
@@ -468,7 +472,7 @@ static void author_demo(performance *p, const char *phonemes)
 
 typedef struct emotion {
     const char *face;
-    const char *before; /* of the upper half: what an actor does first; NULL: nothing */
+    const char *before; /* preparation with the upper half; NULL: none */
     double rise_s, fall_s, mouth_late_s, pitch_deg, yaw_deg;
 } emotion;
 
@@ -485,8 +489,8 @@ static const emotion emotions[] = {
 enum { EMOTIONS = sizeof emotions / sizeof *emotions };
 static const double emotion_s = 1.7, first_emotion_s = 0.6, held_until_s = 1.08;
 
-/* First a small way against it, then the upper half, then the mouth; past the face and back to
- * it; the mouth goes first. */
+/* Each expression starts with a small opposite movement, then the upper half, then the mouth. It
+ * overshoots the face and returns to it. At the end the mouth leaves first. */
 static void author_emotions(performance *p)
 {
     p->random = 20261126;
@@ -512,7 +516,7 @@ static void author_emotions(performance *p)
     add_wrist(p, p->length_s, 0.0, 0.0);
 }
 
-/* ---- in time ---- */
+/* ---- interpolation ---- */
 
 static double weight_of(const stroke *s, double time_s)
 {
@@ -559,7 +563,7 @@ static void wrist_at(const performance *p, double time_s, double out_deg[2])
 static const struct sensor {
     const char *name;
     double neutral_deg;
-    int joint; /* that it follows; JOINT_COUNT and one more: wrist */
+    int joint; /* joint that it follows; JOINT_COUNT and above: wrist */
 } sensors[] = {
     {"thumb.roll", 66, JOINT_THUMB_ROLL},     {"thumb.mpj", 12, JOINT_THUMB_MIDDLE},
     {"thumb.ij", 26, JOINT_THUMB_TIP},        {"thumb.abd", 20, JOINT_THUMB_DROP},
@@ -573,7 +577,7 @@ static const struct sensor {
 };
 enum { SENSORS = sizeof sensors / sizeof *sensors };
 
-/* Random knots and a smooth way between them. */
+/* Random knots and a smooth curve through them. */
 typedef struct wander {
     double from, to;
     int knot;
@@ -593,7 +597,7 @@ static double wander_at(wander *w, double time_s, double period_s, uint64_t *ran
 static const double drift_deg = 0.5, drift_period_s = 1.3;
 static const double tremor_deg = 0.12, tremor_period_s = 0.06; /* 8 to 10 per second */
 
-/* By integers: printf's rounding is a library's own. */
+/* Uses integers, because the rounding of printf differs between libraries. */
 static void write_angle(FILE *out, double deg)
 {
     const double hundredths = 100.0 * deg;
@@ -602,7 +606,7 @@ static void write_angle(FILE *out, double deg)
     fprintf(out, ",%s%d.%02d", whole < 0 ? "-" : "", size / 100, size % 100);
 }
 
-/* Where strokes cross, a joint goes on no faster than it can. */
+/* Limits the speed of a joint where strokes cross. */
 static void keep_pace(double deg[JOINT_COUNT], double before_deg[JOINT_COUNT])
 {
     const double most_deg = 1.02 * speed_most / RATE_HZ;

@@ -46,8 +46,8 @@ static void insert(double *sorted, int count, double value)
     sorted[count] = value;
 }
 
-/* Against a head whose pupils are 63 mm apart. The median of what there is to measure, for puppets
- * have wide mouths or high foreheads, but rarely everything. */
+/* Scale relative to a head whose pupils are 63 mm apart: the median of the available measures.
+ * Puppets may have wide mouths or high foreheads, but rarely are all measures unusual. */
 static double scale_of(const fitting *self, const mrt_face *face)
 {
     static const struct measure {
@@ -80,8 +80,8 @@ static bool is_length(int dof)
     return dof == DOF_JAW_LATERAL || dof == DOF_JAW_FORWARD;
 }
 
-/* What a pose's value may be. A degree of freedom that is missing may go as far as it likes: what
- * stands in for it has its own range. */
+/* Limits of a pose's values. A missing degree of freedom has no limit, because its substitute has
+ * its own range. */
 static void limit_dofs(fitting *self, const mrt_face *face)
 {
     for (int i = 0; i < DOF_COUNT; ++i) {
@@ -124,11 +124,11 @@ bool fitting_find(fitting *out, const mrt_face *face)
     return out->contact_count + out->dof_count > 0;
 }
 
-/* ---- saying so ---- */
+/* ---- reporting ---- */
 
 enum { LINE = 200 }; /* hosts may cut longer ones */
 
-/* "misses X: a, b" in lines of bearable length. */
+/* Logs "misses X: a, b" in lines of readable length. */
 static void report_missing(const mrt_host *host, const char *what, const char *const *names,
                            const uint32_t *found, int count)
 {
@@ -148,7 +148,8 @@ static void report_missing(const mrt_host *host, const char *what, const char *c
         host->log(host, MRT_LOG_INFO, line);
 }
 
-/* Whole parts of a face, as people speak of them; the names are there for whoever rigs it. */
+/* Logs missing parts of a face with everyday names; the exact names are for the author of the
+ * rig. */
 static void report_parts(const fitting *self, const mrt_host *host)
 {
     static const struct {
@@ -170,7 +171,7 @@ static void report_parts(const fitting *self, const mrt_host *host)
                            parts[i].name);
     }
     const size_t used = strlen(line);
-    (void)snprintf(line + used, sizeof line - used, " to move: the hand moves the rest");
+    (void)snprintf(line + used, sizeof line - used, ": the hand moves the other parts");
     if (count > 0)
         host->log(host, MRT_LOG_WARNING, line);
 }
@@ -191,7 +192,7 @@ void fitting_report(const fitting *self, const mrt_host *host)
 
 /* ---- writing ---- */
 
-/* What the skin does where a jaw that is no bone would carry it, per mm at the incisors. */
+/* Movement of the skin in place of a missing jaw bone, per mm at the incisors. */
 static const pose_part drop_parts[] = {
     {LANDMARK_CHIN, 0, -1, -0.3},
     {LANDMARK_LIP_LOWER_MID, 0, -0.9, -0.2},
@@ -221,7 +222,7 @@ static void carry(pose *p, int axis, double mm)
         p->value[3 * carried[i].landmark + axis] += carried[i].share * mm;
 }
 
-/* Pulls for the jaw's degrees of freedom that the face lacks. */
+/* Adds pulls in place of the jaw's missing degrees of freedom. */
 static void stand_in(const fitting *self, pose *p, double lever_mm)
 {
     if (self->dof[DOF_JAW_OPEN] == FITTING_NONE)
@@ -245,8 +246,8 @@ static void limit_pulls(pose *p, double reach_mm)
     }
 }
 
-/* What a face is written with: the classic modes never widen the eyes, and drive neither the seal
- * of the lips nor the tongue. */
+/* Settings of writing a face. The classic modes never widen the eyes, and use neither the seal of
+ * the lips nor the tongue. */
 typedef struct writing {
     const double *low;
     int dof_count;

@@ -25,8 +25,8 @@ void joints_of(double out_deg[JOINT_COUNT], const reading *difference)
     out_deg[JOINT_SPREAD] = (angle[10] + angle[14] + angle[18]) * (1.0 / 3.0);
 }
 
-/* Noise: a glove's sensors follow a joint within 1.4 degrees. Points that are off by 2 mm give
- * these, filtered at 30 Hz. Comfort: from a relaxed hand with a little spread and curl. */
+/* Noise: a glove's sensors follow a joint within 1.4 degrees. For points the values follow from an
+ * error of 2 mm, filtered at 30 Hz. Comfort: from a relaxed hand with a little spread and curl. */
 #define SPREAD_NOISE(deg) (0.6 * (deg)) /* a mean of three */
 const joint_traits joint_traits_of[DEVICE_KINDS][JOINT_COUNT] = {
     [DEVICE_JOINTS] = {[JOINT_THUMB_DROP] = {1.4, -14, 32},
@@ -63,7 +63,7 @@ const joint_traits joint_traits_of[DEVICE_KINDS][JOINT_COUNT] = {
                       [JOINT_MIDDLE_KNUCKLE] = {1.4, -30, 40}},
 };
 
-/* Points measure the roll badly, and not far across the palm. */
+/* Points measure the roll imprecisely, and only a small roll across the palm. */
 const roll_switch roll_switch_of[DEVICE_KINDS] = {
     [DEVICE_JOINTS] = {8.0, 12.0, 16.0},
     [DEVICE_POINTS] = {5.0, 9.0, 12.0},
@@ -105,8 +105,8 @@ static bool starts(const char *name, const char *with)
     return strncmp(name, with, strlen(with)) == 0;
 }
 
-/* A device that measures the middle joints of the fingers measures every joint. Keys bend whole
- * fingers, which only the name of their input says. */
+/* A device that measures the middle joints of the fingers measures every joint. The keyboard bends
+ * whole fingers; only the name of its input shows that. */
 device_kind device_of_input(const double *params, const mrt_channels *input, uint32_t side)
 {
     static const uint32_t middle_joints[] = {5, 8, 12, 16}; /* sensors: index to little */

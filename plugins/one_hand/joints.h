@@ -1,14 +1,14 @@
-/* one_hand/joints.h - which joints of a hand move which half of the face, and what each kind of
- * device measures of them. The two halves share no joint, so that a mouth and an upper half add
- * without touching each other. Hands are right hands, and angles are degrees away from the neutral
- * pose. Pure; any thread. */
+/* one_hand/joints.h - the joints of a hand that move each half of the face, and what each kind of
+ * device measures of them. The two halves use different joints, so that a mouth and an upper half
+ * add without affecting each other. Hands are right hands, and angles are degrees relative to the
+ * neutral pose. Pure; any thread. */
 #ifndef MAROTTE_PLUGINS_ONE_HAND_JOINTS_H
 #define MAROTTE_PLUGINS_ONE_HAND_JOINTS_H
 #include "maps.h"
 
 /* Mouth first, then the upper half. */
 enum {
-    JOINT_THUMB_DROP = 0, /* abduction: thumbs that drop go away from the palm */
+    JOINT_THUMB_DROP = 0, /* abduction: a dropping thumb moves away from the palm */
     JOINT_THUMB_MIDDLE,   /* MPJ, bent */
     JOINT_THUMB_TIP,      /* IJ, bent */
     JOINT_INDEX_CURL,     /* PIJ, bent */
@@ -28,38 +28,39 @@ enum {
 
 typedef enum face_half { HALF_MOUTH = 0, HALF_UPPER, HALF_COUNT } face_half;
 extern const int half_first_joint[HALF_COUNT + 1];
-/* Half that a value of a pose belongs to; HALF_COUNT: neither, the turns of the head. */
+/* Returns the half that a value of a pose belongs to; HALF_COUNT: none, the turns of the head. */
 face_half half_of_value(int pose_index);
 
 /* What kind of hand a device measures. */
 typedef enum device_kind {
     DEVICE_JOINTS = 0, /* every joint: gloves of 18 and 22 sensors, recordings */
     DEVICE_POINTS,     /* points of a bare hand: cameras, headsets */
-    DEVICE_CURLS,      /* one bend a finger, and the wrist */
+    DEVICE_CURLS,      /* one bend per finger, and the wrist */
     DEVICE_KINDS
 } device_kind;
 
-/* What the parameter chooses, or the channels of the input say; input NULL: every joint. */
+/* Returns the device kind set by the parameter, or detected from the channels of the input; input
+ * NULL: every joint. */
 device_kind device_of_input(const double *params, const mrt_channels *input, uint32_t side);
-/* False: the input does not measure that hand. */
+/* Returns true if the input measures that hand. */
 bool device_measures(const mrt_channels *input, uint32_t side);
 
-/* From the difference of two readings of a hand. */
+/* Converts the difference of two readings of a hand to joint angles. */
 void joints_of(double out_deg[JOINT_COUNT], const reading *difference);
 
 typedef struct joint_traits {
     double noise_deg;           /* of the device; 0: it does not measure this joint */
-    double least_deg, most_deg; /* comfortable, from the neutral pose */
+    double least_deg, most_deg; /* comfortable range, relative to the neutral pose */
 } joint_traits;
 extern const joint_traits joint_traits_of[DEVICE_KINDS][JOINT_COUNT];
 
-/* A wink and one raised brow are chosen by the thumb's roll, as by a switch of three positions: 1
- * across the palm, -1 back, 0 both eyes and brows. A steep passage without memory lies between. The
- * index finger bent keeps it at 0: a hand that grasps rolls its thumb, too. */
+/* The thumb's roll selects a wink and a single raised brow, like a switch of three positions: 1
+ * across the palm, -1 back, 0 both eyes and brows. Between them is a steep transition without
+ * hysteresis. A bent index finger keeps it at 0, because a grasping hand rolls its thumb too. */
 double eye_side(device_kind device, const double deg[JOINT_COUNT]);
 typedef struct roll_switch {
-    double least_deg, most_deg; /* the passage, either way */
-    double pose_deg;            /* how far hand poses are rolled; 0: no switch */
+    double least_deg, most_deg; /* range of the transition, in both directions */
+    double pose_deg;            /* roll of the hand poses; 0: no switch */
 } roll_switch;
 extern const roll_switch roll_switch_of[DEVICE_KINDS];
 

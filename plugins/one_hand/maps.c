@@ -10,7 +10,7 @@
 
 static const double rad_per_deg = 0.017453292519943295, deg_per_rad = 57.295779513082321;
 
-/* ---- the shapes of all answers ---- */
+/* ---- shapes of the response curves ---- */
 
 static double with_sign(double magnitude, double sign)
 {
@@ -118,8 +118,9 @@ static bool normalise(double a[3])
     return true;
 }
 
-/* z from the wrist to the middle knuckle, x towards the index knuckle; both knuckles stay where
- * they are in the palm whatever the fingers do. A hand of no size: the hand frame's own axes. */
+/* Frame of the palm: z from the wrist to the middle knuckle, x to the index knuckle. Both knuckles
+ * keep their place in the palm whatever the fingers do. For a hand of size 0, the axes of the hand
+ * frame. */
 static palm_axes axes_of_palm(const mrt_hand *hand, uint32_t side)
 {
     static const palm_axes own = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -202,10 +203,10 @@ bool reading_is_plausible(const reading *r)
     return true;
 }
 
-/* What the fingers do together, deg, from the difference to the neutral reading. */
+/* Combined movements of the fingers, deg, from the difference to the neutral reading. */
 typedef struct signals {
-    double thumb_drop;   /* stretched and turned: away from the fingers of a talking hand */
-    double thumb_aside;  /* abduction that does not go along with the drop */
+    double thumb_drop;   /* stretched and rotated: away from the fingers of a talking hand */
+    double thumb_aside;  /* abduction without the part that follows the drop */
     double index_lift;   /* knuckle stretched */
     double index_middle; /* index lifted more than middle */
     double little_lift;  /* ring and little finger, mean */
@@ -215,7 +216,8 @@ typedef struct signals {
     double reach; /* middle joints stretched, mean of four */
     double wrist_pitch, wrist_yaw;
 } signals;
-/* params: mrt_frame.params. thumb_aside: the thumb's abduction less what may follow its drop. */
+/* params: mrt_frame.params. thumb_aside: the thumb's abduction minus the part that may follow its
+ * drop. */
 static signals signals_of(const reading *difference, const double *params)
 {
     const double *a = difference->value + READING_ANGLES;
@@ -334,7 +336,7 @@ static void add_right(pose *p, const pose_part *parts, int count, double amount)
         add_at(p, parts[i].landmark + 1, -1.0, &parts[i], amount);
 }
 
-/* On the midline nothing goes out. */
+/* Points on the midline do not move outwards. */
 void pose_add(pose *p, const pose_part *parts, int count, double amount)
 {
     for (int i = 0; i < count; ++i) {
@@ -347,7 +349,7 @@ void pose_add(pose *p, const pose_part *parts, int count, double amount)
     }
 }
 
-/* What a face does, as coordinates. */
+/* Coordinates of a face. */
 typedef struct pose_axes {
     double jaw_open, jaw_lateral, jaw_forward; /* rad, mm, mm */
     double brow, tilt;                         /* mm up, mm inner up and outer down */
@@ -357,8 +359,8 @@ typedef struct pose_axes {
     double nod, turn, gaze_yaw, gaze_pitch;    /* rad */
 } pose_axes;
 
-/* ---- what an axis does, per mm: the muscles' directions, with their neighbours in part, for a
- * contact that is not pulled along holds its place ---- */
+/* ---- effect of each axis, per mm: directions of the muscles. Neighbouring contacts follow in
+ * part, because a contact that is not pulled holds its place ---- */
 
 static const pose_part brow_parts[] = {{LANDMARK_BROW_INNER, 0, 0.85, 0},
                                        {LANDMARK_BROW_MID, 0, 1, 0},
@@ -460,14 +462,14 @@ static void from_axes(pose *out, const pose_axes *axes, const double *params)
 
 /* ---- muppet+ ---- */
 
-/* params from `first` on: gain, dead zone, range. */
+/* params: gain, dead zone, range, starting at `first`. */
 static double channel(double signal, const double *params, int first)
 {
     double range = params[first + 2];
     return curve_limit(params[first] * curve_dead_zone(signal, params[first + 1]), range, range);
 }
 
-/* Channels that expression only one way: the dead zone's other side stays at rest. */
+/* One-sided channels: on the other side of the dead zone they stay at rest. */
 static double upward(double x)
 {
     return x > 0.0 ? x : 0.0;
@@ -545,7 +547,7 @@ void maps_muppet(pose *out, const reading *difference, double intensity, double 
 
 /* ---- mask ---- */
 
-/* Out is across the face, to the subject's left, for both sides. */
+/* Out: across the face, to the subject's left for both sides. */
 typedef struct follower {
     int landmark;
     double share;
@@ -568,7 +570,7 @@ static void follow(pose *p, const follower *followers, int count, int side, cons
             p->value[3 * (followers[i].landmark + side) + axis] += followers[i].share * pull[axis];
 }
 
-/* A point's movement scaled, its dead zone a ball, softly stopped. */
+/* Scales a point's movement, with a ball as dead zone and a soft limit. */
 static void scaled(double out[3], const double *moved, double gain, double most_mm,
                    const double *params)
 {
@@ -579,7 +581,7 @@ static void scaled(double out[3], const double *moved, double gain, double most_
         out[axis] = length > 0.0 ? pulled * (moved[axis] / length) : 0.0;
 }
 
-/* As far as brows go: beyond it the skin between them and the sockets folds. */
+/* Limited to the range of brows: beyond it the skin between them and the sockets folds. */
 static void pull_brow(pose *p, int side, const double pull[3], const double *params)
 {
     double aside_mm = params[SET_MASK_BROW_ASIDE];
@@ -589,7 +591,8 @@ static void pull_brow(pose *p, int side, const double pull[3], const double *par
     follow(p, brow_followers, COUNT_OF(brow_followers), side, kept);
 }
 
-/* The thumb holds the jaw by the chin: what a jaw can do it does, only up is left to the skin. */
+/* The thumb holds the jaw by the chin. The jaw makes every movement it can; only the movement up
+ * remains for the skin. */
 static void pull_jaw(pose *p, const double pull[3], const double *params)
 {
     double *dof = p->value + POSE_DOFS;

@@ -1,18 +1,20 @@
-/* one_hand/maps.h - from a hand to a face as this mapping thinks of it: what a hand says (a
- * reading), a face whatever the rig has (a pose), and the three ways from one to the other:
- * muppet+, mask, layered waldo. Each is a function of the hand's difference to its neutral pose; no
- * difference gives the rest face exactly. Leaves out time, and which of a pose a rig really has
- * (fitting.h). Polynomials, + - * / and sqrt only: the same bits everywhere. Pure; any thread. */
+/* one_hand/maps.h - the three classic maps from a hand to a face: muppet+, mask, layered waldo. A
+ * reading is the measured state of a hand; a pose is a face independent of any rig. Each map is a
+ * function of the difference between the hand and its neutral pose; no difference gives the rest
+ * face exactly. Leaves out time, and which parts of a pose a rig has (fitting.h). Polynomials, + -
+ * * / and sqrt only: the same bits everywhere. Pure; any thread. */
 #ifndef MAROTTE_PLUGINS_ONE_HAND_MAPS_H
 #define MAROTTE_PLUGINS_ONE_HAND_MAPS_H
 #include "settings.h"
 
-/* Exactly x for the nearer half, C1, stops at up from 1.5 up on; likewise down for x < 0. */
+/* Soft limit, C1: exactly x up to half of `up`, and constant `up` for x above 1.5 `up`; the same
+ * with `down` for x < 0. */
 double curve_limit(double x, double up, double down);
-/* Exactly 0 within +-dead, odd, C1: a parabola as wide as the dead zone leads to slope 1. */
+/* Dead zone, odd and C1: exactly 0 within +-dead, then a parabola as wide as the dead zone up to
+ * slope 1. */
 double curve_dead_zone(double x, double dead);
 
-/* ---- what a hand says ---- */
+/* ---- reading of a hand ---- */
 
 enum {
     READING_ANGLES = 0,                         /* MRT_ANGLES, deg */
@@ -25,18 +27,19 @@ typedef struct reading {
     double value[READING_COUNT];
 } reading;
 
-/* side: MRT_LEFT or MRT_RIGHT; a left hand gives the reading of its mirror image. False when the
- * hand holds a number that is none. */
+/* Reads a hand. side: MRT_LEFT or MRT_RIGHT; a left hand gives the reading of its mirror image.
+ * Returns false if the hand has a number that is not finite. */
 bool reading_take(reading *out, const mrt_hand *hand, uint32_t side);
-/* mean becomes the mean of count samples, of which sample is the last. Equal samples: no change. */
+/* Updates the mean of `count` samples with the last one, `sample`. Equal samples do not change
+ * it. */
 void reading_average(reading *mean, const reading *sample, uint32_t count);
 reading reading_difference(const reading *a, const reading *b);
-/* Whether a hand can be like this at all: for what was stored. */
+/* Returns true if a hand can have this reading. Checks stored readings. */
 bool reading_is_plausible(const reading *r);
 
 /* ---- a face ---- */
 
-/* Places: pairs (left, right), then those on the midline. */
+/* Landmarks: pairs (left, right), then those on the midline. */
 enum {
     LANDMARK_BROW_INNER = 0,
     LANDMARK_BROW_MID = 2,
@@ -67,7 +70,7 @@ enum {
     DOF_EYE_PITCH = DOF_EYE_YAW + 2,   /* rad, up */
     DOF_LID_UPPER = DOF_EYE_PITCH + 2, /* 0 rest .. 1 closed; wide below 0 */
     DOF_LID_LOWER = DOF_LID_UPPER + 2,
-    DOF_SEAL = DOF_LID_LOWER + 2, /* 0 rest .. 1 the lips are closed */
+    DOF_SEAL = DOF_LID_LOWER + 2, /* 0 rest .. 1 lips closed */
     DOF_TONGUE,                   /* rad, out */
     DOF_COUNT
 };
@@ -79,29 +82,29 @@ typedef struct pose {
     double value[POSE_COUNT]; /* 3 per landmark, then the degrees of freedom */
 } pose;
 
-/* LAYER_* that a value belongs to. */
+/* Returns the LAYER_* that a value belongs to. */
 int pose_layer(int index);
-/* Left and right exchanged. */
+/* Swaps left and right. */
 void pose_mirror(pose *p);
-/* A landmark's pull made longer by `amount` times a direction: out to the landmark's own side, up,
- * front. */
+/* Direction that pose_add adds `amount` times to a landmark's pull: outwards to the landmark's own
+ * side, up, to the front. */
 typedef struct pose_part {
     int landmark; /* of a pair: both sides */
     double out, up, front;
 } pose_part;
 void pose_add(pose *p, const pose_part *parts, int count, double amount);
 
-/* ---- from one to the other: hands are right ones here, and poses those of a right hand ---- */
+/* ---- the maps, for right hands ---- */
 
-/* intensity: factor for brows, lids, corners, width, sneer. droop: how far the lids droop, 0 .. 1
- * (one_hand.c follows it in time). */
+/* intensity: factor for brows, lids, corners, width, sneer. droop: droop of the lids, 0 .. 1
+ * (smoothed in time by one_hand.c). */
 void maps_muppet(pose *out, const reading *difference, double intensity, double droop,
                  const double *params);
 void maps_mask(pose *out, const reading *difference, const double *params);
-/* Only the values of the layer are meant. */
+/* Writes only the values of the layer. */
 void maps_waldo(pose *out, const reading *difference, int layer, const double *params);
 
-/* What the middle finger asks of the lids, before it is followed in time. */
+/* Returns the droop of the lids by the middle finger, before smoothing in time. */
 double maps_droop(const reading *difference, double intensity, const double *params);
 
 #endif

@@ -1,7 +1,7 @@
-/* One hand performs a face: joint angles move its jaw, brows, lids, mouth and head, by the names of
- * the rig's contacts and degrees of freedom. A vector's start is the contact's rest; end = start
- * says that the contact only rides along with the bones that carry it. Everything in time depends
- * on dt_s alone. */
+/* Mapping: one hand performs a face. Joint angles move its jaw, brows, lids, mouth and head,
+ * through the named contacts and degrees of freedom of the rig. A vector starts at the contact's
+ * rest; end = start means that the contact only follows the bones that carry it. All changes in
+ * time depend on dt_s only. */
 #include "card.h"
 #include "own_hands.h"
 #include "mapping.h"
@@ -12,23 +12,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- what the feet and the buttons ask for: immediate, nothing waits to see whether a second tap
- * follows ---- */
+/* ---- pedals and buttons: immediate, without waiting for a possible second tap ---- */
 
 enum { PEDAL_ANCHOR = 0, PEDAL_HOLD, PEDAL_LAYER, PEDAL_COUNT };
 
 typedef struct pedal {
     bool is_down;
-    double since_press_s; /* at most a minute */
+    double since_press_s; /* limited to a minute */
 } pedal;
 
 typedef struct pedals {
     pedal pedal[PEDAL_COUNT];
-    bool is_latched;     /* the hold goes on without a foot */
+    bool is_latched;     /* the hold continues without the pedal */
     bool is_hold_spent;  /* this press of the hold pedal was part of a chord */
     bool is_layer_spent; /* this press of the layer pedal has locked the layer */
-    bool can_revert;     /* the next tap of the anchor pedal may be the second of two */
-    double intensity;    /* of the intensity pedal, smoothed; 1 without one */
+    bool can_revert;     /* the next tap of the anchor pedal can be the second of two */
+    double intensity;    /* from the intensity pedal, smoothed; 1 without a pedal */
     bool has_intensity;
 } pedals;
 
@@ -44,12 +43,12 @@ typedef struct pedals {
 typedef struct pedals_events {
     bool anchor, revert, to_neutral; /* in this frame; at most one */
     bool lock_layer;                 /* in this frame */
-    bool hold, other_layer;          /* as long as it lasts */
+    bool hold, other_layer;          /* true as long as it lasts */
 } pedals_events;
 
 static const double long_ago_s = 60.0;
 static const double single_hold_s = 0.3;     /* one pedal for both: longer than a tap */
-static const double intensity_time_s = 0.06; /* a foot's step becomes a way */
+static const double intensity_time_s = 0.06; /* smooths the steps of the foot */
 static const double intensity_most = 1.5;
 
 static void pedals_reset(pedals *self)
@@ -65,7 +64,7 @@ static bool has_pedal(const mrt_frame *frame, int set)
     return number >= 1 && number <= MRT_MAX_PEDALS;
 }
 
-/* 0 up .. 1 down; 0 without a pedal. */
+/* Returns 0 up .. 1 down; 0 without a pedal. */
 static double position(const mrt_frame *frame, int set)
 {
     if (!has_pedal(frame, set))
@@ -74,7 +73,7 @@ static double position(const mrt_frame *frame, int set)
     return value > 0.0 ? (value < 1.0 ? value : 1.0) : 0.0;
 }
 
-/* True in the frame of the press. A pedal that was half down stays what it was. */
+/* Returns true in the frame of the press. A pedal that is half down keeps its state. */
 static bool step_pedal(pedal *p, double position, double dt_s)
 {
     bool was_down = p->is_down;
@@ -90,12 +89,12 @@ static void step_intensity(pedals *self, const mrt_frame *frame, double dt_s)
     bool has = has_pedal(frame, SET_INTENSITY_PEDAL);
     double wanted = has ? intensity_most * position(frame, SET_INTENSITY_PEDAL) : 1.0;
     if (has && !self->has_intensity && dt_s <= 0.0)
-        self->intensity = wanted; /* how it is found in the first frame */
+        self->intensity = wanted; /* state in the first frame */
     self->has_intensity = has;
     self->intensity += dt_s / (dt_s + intensity_time_s) * (wanted - self->intensity);
 }
 
-/* A pedal's press with what came before it; the time of the press before is in since_s. */
+/* A press of a pedal and the previous one; since_s is the time since then. */
 typedef struct press {
     bool is_now;
     double since_s;
@@ -126,7 +125,7 @@ static void step_layer(pedals *self, press layer, double tap_s, pedals_events *o
     self->is_layer_spent = out->lock_layer;
 }
 
-/* Both go down within a tap's time, in either order. */
+/* Both pedals go down within the time of a tap, in either order. */
 static bool is_chord(const pedals *self, press anchor, press hold, double tap_s)
 {
     const pedal *p = self->pedal;
@@ -180,16 +179,16 @@ static pedals_events pedals_step(pedals *self, const mrt_frame *frame, double dt
     return out;
 }
 
-/* ---- lids in time: a quick bend of the middle finger blinks, a slow one droops ---- */
+/* ---- lids in time: a quick bend of the middle finger blinks, a slow one droops the lids ---- */
 
 typedef enum blink_phase { BLINK_NONE = 0, BLINK_CLOSING, BLINK_OPENING } blink_phase;
 
 typedef struct blink {
     blink_phase phase;
     double time_s;  /* in the phase */
-    double from;    /* closure at its begin */
+    double from;    /* closure at the beginning of the phase */
     double closure; /* 0 .. 1 */
-    double droop;   /* follows what is asked */
+    double droop;   /* smoothed, follows the requested droop */
 
     bool has_bend, is_spent; /* spent: this stroke has blinked */
     double bend_deg, speed_deg_s;
@@ -205,21 +204,22 @@ typedef struct blink {
         MEMORY_DOUBLES((blink).speed_deg_s), MEMORY_DOUBLES((blink).stroke_from_deg)
 
 static const double speed_time_s = 0.015; /* smoothing of the finger's speed */
-static const double arrived = 1e-5; /* of the droop: then lids are exactly where they should be */
-static const double gap_s = 0.1;    /* the longest dt_s there is: who knows how long it was */
+static const double arrived = 1e-5;       /* of the droop: then the lids take the exact value */
+static const double gap_s = 0.1;          /* limit of dt_s: a longer gap has an unknown length */
 
 static void blink_reset(blink *self)
 {
     *self = (blink){0};
 }
 
-/* The hand is another one or was away: what it did before says nothing of its speed. */
+/* For another hand, or one that was away: its earlier movement does not give a speed. */
 static void blink_forget_hand(blink *self)
 {
     self->has_bend = false;
 }
 
-/* bend_deg: of the middle finger's knuckle, whatever is neutral. True when it was quick enough. */
+/* bend_deg: of the middle finger's knuckle, not relative to neutral. Returns true for a quick
+ * bend. */
 static bool blink_is_struck(blink *self, double bend_deg, double dt_s, const double *params)
 {
     if (!self->has_bend || dt_s >= gap_s) {
@@ -235,7 +235,7 @@ static bool blink_is_struck(blink *self, double bend_deg, double dt_s, const dou
     double before_deg = self->bend_deg;
     self->bend_deg = bend_deg;
     self->speed_deg_s += dt_s / (dt_s + speed_time_s) * (speed - self->speed_deg_s);
-    if (self->speed_deg_s < 0.5 * least) { /* the stroke begins where it becomes fast */
+    if (self->speed_deg_s < 0.5 * least) { /* the stroke begins where the finger becomes fast */
         self->stroke_from_deg = speed < 0.5 * least ? bend_deg : before_deg;
         self->is_spent = false;
         return false;
@@ -255,7 +255,8 @@ static void blink_start(blink *self)
     self->from = self->closure;
 }
 
-/* The rest of a step that ends a phase counts for the next one: no frame rate changes a blink. */
+/* The rest of a step that ends a phase counts for the next phase, so a blink does not depend on the
+ * frame rate. */
 static void move_lids(blink *self, double dt_s, const double *params)
 {
     double close_s = 0.001 * params[SET_BLINK_CLOSE], open_s = 0.001 * params[SET_BLINK_OPEN];
@@ -274,7 +275,7 @@ static void move_lids(blink *self, double dt_s, const double *params)
         self->closure = 0.0;
 }
 
-/* droop: what the hand asks for now; it waits while a blink is under way. */
+/* droop: requested by the hand; it waits during a blink. */
 static void blink_step(blink *self, double droop, double dt_s, const double *params)
 {
     if (self->phase != BLINK_NONE) {
@@ -289,8 +290,8 @@ static void blink_step(blink *self, double droop, double dt_s, const double *par
         self->droop = droop;
 }
 
-/* ---- lips that the thumb closes: pressed or not, with a way back that is longer than the
- * device's noise; the face follows in time, so that nothing jumps ---- */
+/* ---- lips closed by the thumb: pressed or not, with a hysteresis larger than the device's noise.
+ * The face follows in time, so that it does not jump ---- */
 
 typedef struct seal {
     bool is_pressed;
@@ -311,19 +312,19 @@ static void seal_step(seal *self, double press_deg, double dt_s, const double *p
     self->closure = clamp(self->closure + (self->is_pressed ? way : -way), 0.0, 1.0);
 }
 
-/* ---- the face shown, hanging on the hand: live, held, or easing from one to the other. No change
- * of what it hangs on makes it jump: the difference at that moment fades away ---- */
+/* ---- attachment of the shown face to the hand: live, held, or easing from one to the other. A
+ * change never makes the face jump: the difference at that moment fades away ---- */
 
-/* Why a layer does not follow the hand; 0: it does. */
+/* Reasons why a layer does not follow the hand; 0: it does. */
 enum { HELD_BY_LAYER = 1, HELD_BY_PEDAL = 2, HELD_BY_ABSENCE = 4 };
 
 typedef struct attach {
-    pose shown;  /* what is to be seen, before limits */
-    pose offset; /* what an anchor has kept: added to what the hand says */
+    pose shown;  /* the face to show, before limits */
+    pose offset; /* kept by an anchor: added to the pose of the hand */
     pose held;   /* of layers that do not follow */
-    pose rest;   /* what was shown less what should have been, at the last change */
+    pose rest;   /* difference between the shown and the target face at the last change */
     unsigned held_by[LAYER_COUNT];
-    bool has_changed; /* the next step starts a way anew */
+    bool has_changed; /* the next step starts a new transition */
     double time_s, duration_s;
 } attach;
 
@@ -340,7 +341,7 @@ static void attach_reset(attach *self)
     memset(self, 0, sizeof *self);
 }
 
-/* From the next step on something else is followed: ease to it. */
+/* Eases to a new target, starting with the next step. */
 static void attach_change(attach *self, double duration_s)
 {
     self->has_changed = true;
@@ -356,8 +357,8 @@ static void shorten(double v[3], double most)
         v[axis] *= most / length;
 }
 
-/* What is shown stays as it is when the hand's target falls to zero in the next step. most_mm, low,
- * high (DOF_COUNT): beyond them nothing is seen, so nothing is kept. */
+/* Keeps the shown face when the hand's target becomes zero in the next step. most_mm, low, high
+ * (DOF_COUNT): limits of the visible face; the part beyond them is not kept. */
 static void attach_keep(attach *self, double most_mm, const double *low, const double *high)
 {
     self->offset = self->shown;
@@ -368,7 +369,7 @@ static void attach_keep(attach *self, double most_mm, const double *low, const d
         dof[i] = clamp(dof[i], low[i], high[i]);
 }
 
-/* Everything eases to rest, but for what the hand says. */
+/* Eases everything to rest, except the hand's current pose. */
 static void attach_forget(attach *self, double duration_s)
 {
     memset(&self->offset, 0, sizeof self->offset);
@@ -376,7 +377,7 @@ static void attach_forget(attach *self, double duration_s)
     attach_change(self, duration_s);
 }
 
-/* A layer that stops following, or is stopped by one reason more, stays where it is seen. */
+/* A layer that stops following, or gets another reason for that, keeps its visible state. */
 static void take_holds(attach *self, const unsigned held_by[LAYER_COUNT], double reattach_s)
 {
     bool is_stopped[LAYER_COUNT];
@@ -395,7 +396,7 @@ static void take_holds(attach *self, const unsigned held_by[LAYER_COUNT], double
         attach_change(self, reattach_s);
 }
 
-/* held_by: per layer. reattach_s: the way back after a hold. */
+/* held_by: per layer. reattach_s: duration of the return after a hold. */
 static void attach_step(attach *self, const pose *target, const unsigned held_by[LAYER_COUNT],
                         double reattach_s, double dt_s)
 {
@@ -413,7 +414,7 @@ static void attach_step(attach *self, const pose *target, const unsigned held_by
     self->has_changed = false;
 }
 
-/* ---- neutral poses as earlier versions stored them: little-endian, with a sum ---- */
+/* ---- neutral poses in the format of earlier versions: little-endian, with a checksum ---- */
 
 typedef struct neutral {
     bool is_known;
@@ -422,13 +423,13 @@ typedef struct neutral {
 
 typedef struct stored_neutrals {
     char magic[8];
-    uint32_t version, known; /* known: bit per side; the pose of another is 0 */
+    uint32_t version, known; /* known: one bit per side; the pose of an unknown side is 0 */
     reading pose[2];
-    uint64_t sum; /* FNV-1a of all that is before it */
+    uint64_t sum; /* FNV-1a of all bytes before it */
 } stored_neutrals;
 _Static_assert(sizeof(stored_neutrals) == 24 + 2 * sizeof(reading), "stored so");
 
-/* False: not such bytes; hands are untouched. */
+/* Returns false, without a change, if the bytes are not in this format. */
 static bool stored_read(neutral hands[2], const void *in, size_t size)
 {
     static const char magic[8] = {'M', 'R', 'T', '1', 'H', 'A', 'N', 'D'};
@@ -449,7 +450,7 @@ static bool stored_read(neutral hands[2], const void *in, size_t size)
 
 static const double dt_max_s = 0.1;
 
-typedef struct anchor { /* what an anchor replaces, for the second tap */
+typedef struct anchor { /* neutral pose that an anchor replaced, for the second tap */
     bool is_known;
     uint32_t side;
     reading neutral;
@@ -459,13 +460,13 @@ typedef struct anchor { /* what an anchor replaces, for the second tap */
 struct mrt_plugin {
     const mrt_host *host;
     fitting fitting;
-    own_hands stored_answers; /* loaded: what a reset returns to */
+    own_hands stored_answers; /* loaded answers: restored by a reset */
     own_hands answers;
-    own_hands before_change;        /* what an undo returns to */
-    double steady_deg[JOINT_COUNT]; /* the hand of the last moments: what an answer is */
+    own_hands before_change;        /* restored by an undo */
+    double steady_deg[JOINT_COUNT]; /* recent hand pose, used as an answer */
     const mrt_rig_pose *rig_poses;  /* of the face, until deactivate */
     uint32_t rig_pose_count;
-    bool can_speak; /* the rig has poses that this mapping knows */
+    bool can_speak; /* true if the rig has poses that this mapping uses */
     speak_half speak[DEVICE_KINDS][HALF_COUNT];
     double furthest_deg[DEVICE_KINDS][JOINT_COUNT]; /* of any hand pose, either way */
     neutral stored[2];                              /* loaded */
@@ -495,7 +496,7 @@ static mrt_plugin *create(const mrt_host *host)
     return self;
 }
 
-/* A rig without poses is performed in the classic mode. */
+/* A rig without poses uses the classic mode. */
 static int mode_of(const mrt_plugin *self, const double *params)
 {
     const int mode = (int)params[SET_MODE];
@@ -507,9 +508,9 @@ static bool speaks(const mrt_plugin *self, const double *params)
     return mode_of(self, params) == MODE_SPEAKING;
 }
 
-/* ---- whose hand, and what is neutral for it ---- */
+/* ---- the performing hand and its neutral pose ---- */
 
-/* MRT_NO_HAND: none that is wanted and makes sense. */
+/* Returns MRT_NO_HAND if no wanted and plausible hand is present. */
 static uint32_t take_reading(reading *out, const mrt_frame *frame)
 {
     static const uint32_t wanted[][2] = {[HAND_EITHER] = {MRT_RIGHT, MRT_LEFT},
@@ -539,7 +540,7 @@ static void set_neutral(mrt_plugin *self, const reading *as)
     self->blink.droop = 0.0;
 }
 
-/* A fist leaves no way to curl further. */
+/* A neutral pose with a fist leaves no range to curl further. */
 static void judge_neutral(const mrt_plugin *self, const reading *as, const double *params)
 {
     static const int middle_joints[4] = {5, 8, 12, 16};
@@ -553,7 +554,8 @@ static void judge_neutral(const mrt_plugin *self, const reading *as, const doubl
                         "hand, then press Anchor.");
 }
 
-/* The stored pose, or the mean of the first samples; until it is known the face rests. */
+/* Finds the neutral pose: the stored one, or the mean of the first samples. Until it is known the
+ * face is at rest. */
 static void find_neutral(mrt_plugin *self, const reading *now, const double *params)
 {
     neutral *own = &self->neutral[self->side];
@@ -571,7 +573,7 @@ static void find_neutral(mrt_plugin *self, const reading *now, const double *par
     if (wants_stored && !self->has_told_no_neutral) {
         self->has_told_no_neutral = true;
         self->host->log(self->host, MRT_LOG_WARNING,
-                        "no neutral pose is stored for this hand: takes the pose at engage");
+                        "no neutral pose is stored for this hand: the pose at engage is used");
     }
     uint32_t *count = &self->sample_count[self->side];
     *count += 1;
@@ -586,7 +588,7 @@ static void find_neutral(mrt_plugin *self, const reading *now, const double *par
     attach_change(&self->attach, params[SET_REATTACH]);
 }
 
-/* ---- what measures the hand ---- */
+/* ---- the device that measures the hand ---- */
 
 static device_kind device_of(const mrt_frame *frame, uint32_t side)
 {
@@ -597,9 +599,9 @@ static device_kind device_of(const mrt_frame *frame, uint32_t side)
     return device_of_input(frame->params, input, side);
 }
 
-/* ---- what the feet ask for ---- */
+/* ---- pedals ---- */
 
-/* Further than any pull of a speaking face. */
+/* Longer than any pull of a speaking face. */
 static const double spoken_reach_mm = 60.0;
 
 static void set_anchor(mrt_plugin *self, const reading *now, const double *params)
@@ -651,11 +653,12 @@ static void apply_events(mrt_plugin *self, const pedals_events *events, const re
         self->layer_shift = (self->layer_shift + 1) % (mode == MODE_WALDO ? LAYER_COUNT : 2);
 }
 
-/* ---- the face that follows ---- */
+/* ---- the face that follows the hand ---- */
 
 enum { LAYER_ALL = -1 };
 
-/* The layer that the hand moves as a waldo; LAYER_ALL: the whole face by the mode's map. */
+/* Returns the layer that the hand moves in layered waldo; LAYER_ALL: the whole face, with the map
+ * of the mode. */
 static int live_layer(const mrt_plugin *self, const pedals_events *events, const double *params)
 {
     int shift = self->layer_shift + events->other_layer;
@@ -679,7 +682,7 @@ static void find_holds(unsigned held_by[LAYER_COUNT], int live, const pedals_eve
     }
 }
 
-/* Lids in time. A frozen face does not blink on. */
+/* Moves the lids in time. A frozen face does not blink. */
 static void step_lids(mrt_plugin *self, const reading *now, double droop, unsigned held_by,
                       double dt_s, const double *params)
 {
@@ -695,8 +698,8 @@ static void step_lids(mrt_plugin *self, const reading *now, double droop, unsign
     blink_step(&self->blink, droop, dt_s, params);
 }
 
-/* A joint's way times its axis' gain, and limited: exact to twice the way of the furthest hand pose
- * in range. */
+/* Scales a joint's movement by the gain of its axis, with a limit: exact up to twice the joint's
+ * value in the furthest hand pose in range. */
 static double scaled(const mrt_plugin *self, device_kind device, int joint, double deg,
                      const double *params)
 {
@@ -769,7 +772,7 @@ static void find_target(const mrt_plugin *self, const reading *difference, int l
         pose_mirror(out);
 }
 
-/* Where the hand wants the face, the lids having moved on. */
+/* Computes the target face from the hand. The lids were moved before. */
 static void follow(mrt_plugin *self, const reading *now, int live, unsigned lids_held_by,
                    double dt_s, const double *params, pose *out)
 {
@@ -798,7 +801,7 @@ static void set_rig_poses(mrt_plugin *self, const mrt_face *face, const mrt_rig_
     self->rig_pose_count = count;
 }
 
-/* The faces that this device tells apart, at their hand poses. */
+/* Fits one half to the faces that this device can distinguish, at their hand poses. */
 static bool learn_half(mrt_plugin *self, device_kind device, face_half which)
 {
     double deg[FACE_COUNT][JOINT_COUNT];
@@ -832,10 +835,10 @@ static void learn_faces(mrt_plugin *self)
 static const char *const verdict_words[] = {
     [OWN_HANDS_NONE] = "The hand poses are the default ones.",
     [OWN_HANDS_TAKEN] = "Your hand poses are in use.",
-    [OWN_HANDS_NONSENSE] = "Your hand poses do not follow the faces: the default ones stay in use. "
-                           "Undo, or answer the same face again."};
+    [OWN_HANDS_NONSENSE] = "Your hand poses do not match the faces, so the default ones stay in "
+                           "use. Press Undo, or answer the same face again."};
 
-/* [frame] A half of a millisecond. */
+/* [frame] Takes half a millisecond. */
 static void follow_answers(mrt_plugin *self, device_kind device)
 {
     double ignored[FACE_COUNT][JOINT_COUNT];
@@ -848,7 +851,7 @@ static void follow_answers(mrt_plugin *self, device_kind device)
                     verdict_words[verdict[0] > verdict[1] ? verdict[0] : verdict[1]]);
 }
 
-/* The second undo is a redo. */
+/* Undoing twice is a redo. */
 static void undo_answer(mrt_plugin *self)
 {
     const own_hands now = self->answers;
@@ -890,16 +893,16 @@ static mrt_result activate(mrt_plugin *self, const mrt_face *face)
     if (!fitting_find(&self->fitting, face)) {
         self->host->log(
             self->host, MRT_LOG_ERROR,
-            "the face has no contact and no degree of freedom that one hand could move "
-            "(mouth.corner.l, jaw.open ...): take a face with a rig, see rigs/README.md");
+            "the face has no contact or degree of freedom that one hand can move (mouth.corner.l, "
+            "jaw.open ...): open a face with a rig, see rigs/README.md");
         return MRT_ERR_UNSUPPORTED;
     }
     fitting_report(&self->fitting, self->host);
     learn_faces(self);
     if (!self->can_speak)
         self->host->log(self->host, MRT_LOG_WARNING,
-                        "This rig has no poses for the hand to meet. one_hand uses the classic "
-                        "mode. Draft the rig anew with \"marotte rig new\" to add poses.");
+                        "This rig has no poses that the hand can match. one_hand uses the classic "
+                        "mode. To add poses, draft the rig again with \"marotte rig new\".");
     return MRT_OK;
 }
 
@@ -919,7 +922,8 @@ static void reset(mrt_plugin *self)
     memset(self->steady_deg, 0, sizeof self->steady_deg);
     const bool has_learned =
         memcmp(&self->answers, &self->stored_answers, sizeof self->answers) != 0;
-    self->answers = self->before_change = self->stored_answers; /* an undo has nothing to restore */
+    self->answers = self->before_change =
+        self->stored_answers; /* without it an undo has nothing to restore */
     if (has_learned)
         learn_faces(self);
     attach_reset(&self->attach);
@@ -963,7 +967,7 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     return MRT_OK;
 }
 
-/* ---- the neutral poses and the answers, kept ---- */
+/* ---- storing the neutral poses and the answers ---- */
 
 #define NEUTRAL_MEMORY(neutral) MEMORY_BOOLS((neutral).is_known), MEMORY_DOUBLES((neutral).pose)
 #define ANSWERS_MEMORY(answers)                                                                    \
@@ -1008,8 +1012,8 @@ static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
     taught then;
     if (!read_taught(&then, bytes, size)) {
         self->host->log(self->host, MRT_LOG_ERROR,
-                        "Cannot load the stored hand: these are not bytes of one_hand. The hand "
-                        "poses stay as they are. Store the neutral pose again.");
+                        "Cannot load the stored hand: the data is not from one_hand. The hand "
+                        "poses are unchanged. Store the neutral pose again.");
         return MRT_ERR_FORMAT;
     }
     memcpy(self->stored, then.hand, sizeof self->stored);

@@ -6,12 +6,13 @@
 #include <math.h>
 #include <string.h>
 
-/* Standard deviations of the prior, degrees: a hand is held otherwise as a whole, moves further or
- * less far, and has habits for single faces; an answer is off by so much each time. */
+/* Standard deviations of the prior, degrees. A performer may hold the whole hand differently, move
+ * further or less far, and have habits for single faces. The last value is the error of a single
+ * answer. */
 static const double offset_deg = 4.0, habit_deg = 5.0, noise_deg = 2.0;
 static const double share_of_way = 0.25; /* further or less far, per joint */
-static const double reach_deg = 60.0;    /* of a habit: to faces whose hands are nearer */
-static const double furthest_deg = 30.0; /* that an answer moves a hand pose */
+static const double reach_deg = 60.0;    /* reach of a habit, in distance of the hand poses */
+static const double furthest_deg = 30.0; /* limit of the change of a hand pose by an answer */
 static const float plausible_deg = 180.0f;
 
 void own_hands_add(own_hands *to, device_kind device, int name, const double deg[JOINT_COUNT])
@@ -41,7 +42,7 @@ bool own_hands_are_plausible(const own_hands *all)
     return true;
 }
 
-/* Covariance of the ways by which two hand poses are moved, at one joint. */
+/* Covariance of the changes of two hand poses, at one joint. */
 static double covariance(const double *a, const double *b, int joint, int first, int end)
 {
     double far2 = 0.0;
@@ -55,13 +56,13 @@ static double covariance(const double *a, const double *b, int joint, int first,
            habit_deg * habit_deg * near;
 }
 
-typedef struct lesson { /* an answer that counts for a half */
+typedef struct lesson { /* an answer for this half */
     double table_deg[JOINT_COUNT];
-    const float *deg; /* as it was answered */
+    const float *deg; /* the answered hand pose */
     unsigned rounds;
 } lesson;
 
-/* How much of the hands' ways is not what the table says. */
+/* Returns the share of the answers that the table does not explain. */
 static double strangeness(const lesson *lessons, int count, int first, int end)
 {
     double off = 0.0, way = 0.0;

@@ -1,5 +1,5 @@
-/* print_card: the lines of the card for a hand that is seen as points, as the script card.js of the
- * camera's page. */
+/* print_card: writes the lines of the card for a hand tracked as points, as the script card.js of
+ * the camera's page. */
 #include "card.h"
 #include "joints.h"
 #include "settings.h"

@@ -1,17 +1,17 @@
-/* one_hand/settings.h - the parameters of the mapping: which there are, and their numbers in
- * mrt_frame.params. Ids are stable for ever. */
+/* one_hand/settings.h - the parameters of the mapping and their indices in mrt_frame.params. Ids
+ * never change. */
 #ifndef MAROTTE_PLUGINS_ONE_HAND_SETTINGS_H
 #define MAROTTE_PLUGINS_ONE_HAND_SETTINGS_H
 #include <marotte/plugin.h>
 
-/* All but the last are of earlier versions, whose takes need them. */
+/* All but the last are modes of earlier versions, kept for their takes. */
 enum { MODE_CLASSIC = 0, MODE_MASK, MODE_WALDO, MODE_SPEAKING, MODE_COUNT };
 enum { DEVICE_AUTOMATIC = 0 }; /* then 1 + device_kind */
 enum { HAND_EITHER = 0, HAND_LEFT, HAND_RIGHT };
 enum { NEUTRAL_AT_ENGAGE = 0, NEUTRAL_STORED };
 enum { LAYER_MOUTH = 0, LAYER_BROWS, LAYER_HEAD, LAYER_COUNT };
 
-/* What the joints do, in the performer's words; each has one gain and one range. */
+/* Movements of the face, in the performer's words; each has one gain and one range. */
 enum {
     AXIS_JAW = 0,
     AXIS_LOWER_LIP,
@@ -27,7 +27,8 @@ enum {
     AXIS_COUNT
 };
 
-/* Faces that a hand can say, NULL-ended: an expression is both a mouth and an upper half. */
+/* Names of the faces that a hand can perform, NULL-ended. An expression is both a mouth and an
+ * upper half. */
 enum { FACE_NAMES = 53 };
 extern const char *const face_names[FACE_NAMES + 1];
 

@@ -5,11 +5,11 @@
 #include <math.h>
 #include <string.h>
 
-/* A joint counts by how well the device measures it. */
+/* The weight of a joint depends on how precisely the device measures it. */
 static const double noise_of_weight_1_deg = 1.4;
 
-/* Waypoints: with every joint, lips that close on the way to an "m" over an open jaw would have
- * further to go; with five curls the lips would pass by other faces more often. */
+/* Waypoints are only used with points. With every joint, lips that close for an "m" over an open
+ * jaw would move further. With five curls, the lips would pass through other faces more often. */
 const speak_settings speak_settings_of[DEVICE_KINDS][HALF_COUNT] = {
     [DEVICE_JOINTS] = {{5.0, 30.0, 9.0}, {4.0, 30.0, 9.0}},
     [DEVICE_POINTS] = {{4.5, 20.0, 9.0, true}, {3.5, 20.0, 9.0}},
@@ -47,7 +47,8 @@ static double distance(const double *a, const double *b, int count)
     return sqrt(sum);
 }
 
-/* Weighted, and with the well taken out: 0 within it, and shorter by 1.5 of it beyond 2 of it. */
+/* Weighted coordinates without the well: 0 within it, and shorter by 1.5 of its radius beyond 2 of
+ * it. */
 static bool place(double *out, const speak_half *self, speak_space space,
                   const double deg[JOINT_COUNT])
 {
@@ -69,13 +70,13 @@ static bool place(double *out, const speak_half *self, speak_space space,
 
 /* ---- the fit ---- */
 
-/* Lips seal and the tongue comes out near their faces alone. */
+/* The seal of the lips and the tongue only act near their own faces. */
 static bool is_linear(int value)
 {
     return value != POSE_DOFS + DOF_SEAL && value != POSE_DOFS + DOF_TONGUE;
 }
 
-/* The mouth has the first alone. */
+/* The mouth uses only the first space. */
 static int space_count(const speak_half *self)
 {
     return self->half == HALF_UPPER ? SPEAK_SPACES : 1;
@@ -114,7 +115,8 @@ static void find_longest(speak_half *out, const speak_face *faces, int count)
                 fmax(out->longest[landmark], pull_length(&faces[i].pose, landmark));
 }
 
-/* Exact to the longest pull of a face, and never longer than 1.3 times that. */
+/* Limits the pulls: exact up to the longest pull of a face, and never longer than 1.3 times
+ * that. */
 static void limit_pulls(const speak_half *self, pose *p)
 {
     for (int landmark = 0; landmark < LANDMARK_COUNT; ++landmark) {
@@ -127,7 +129,7 @@ static void limit_pulls(const speak_half *self, pose *p)
     }
 }
 
-/* Of faces: waypoints do not count. */
+/* Returns the mean distance of a face to its neighbour, without waypoints. */
 static double mean_nearest(const speak_half *self, speak_space space, int face_count)
 {
     const double(*centre)[SPEAK_JOINTS_MAX] = self->centre[space];
@@ -142,7 +144,7 @@ static double mean_nearest(const speak_half *self, speak_space space, int face_c
     return sum / (face_count + 1);
 }
 
-/* Ridge regression without a constant: the rest stays the rest. */
+/* Ridge regression without a constant, so that the rest pose stays at rest. */
 static void find_linear(speak_half *out, speak_space space, const speak_face *faces, int count,
                         double ridge)
 {
@@ -178,21 +180,21 @@ static double linear_value(const speak_half *self, int v, const double *at)
 
 /* ---- waypoints ---- */
 
-typedef struct waypoint { /* on the way from the rest to a face */
+typedef struct waypoint { /* a point on the way from the rest pose to a face */
     int face;             /* index */
     double share;
 } waypoint;
 
 static bool is_free(const speak_half *self, const double *at)
 {
-    static const double least = 2.0; /* weighted degrees: nearer ones would fight */
+    static const double least = 2.0; /* weighted degrees: nearer centres would conflict */
     for (int i = 0; i < self->centre_count; ++i)
         if (distance(at, self->centre[SPEAK_JOINTS][i], self->joint_count) < least)
             return false;
     return true;
 }
 
-/* Of faces: the two with the widest jaws. Returns how many there are. */
+/* Finds the two faces with the widest jaws. Returns their number. */
 static int find_widest(int out[2], const speak_face *faces, int count)
 {
     int found = 0;
@@ -210,7 +212,8 @@ static int find_widest(int out[2], const speak_face *faces, int count)
     return found;
 }
 
-/* The jaw of most faces is nearly closed, so it would open late and then quickly. Adds centres. */
+/* Adds centres that make the jaw open evenly. The jaw of most faces is nearly closed, so it would
+ * otherwise open late and then quickly. */
 static void find_waypoints(waypoint out[SPEAK_WAYPOINTS], speak_half *half, const speak_face *faces,
                            int count)
 {

@@ -1,7 +1,7 @@
 /* openxr.c - the plugin "org.marotte.openxr": the bare or gloved hand that an OpenXR runtime tracks
- * (a headset, a Leap, a glove's driver). The runtime lives in another process (openxr_helper.h),
- * marotte reads its joints back to angles (MRT_LANDMARKS) from their positions alone: what
- * orientations mean differs between runtimes. Gives samples. */
+ * (a headset, a Leap, a glove driver). The runtime is loaded into another process
+ * (openxr_helper.h). marotte converts the positions of its joints to angles (MRT_LANDMARKS).
+ * Orientations are not used, because their meaning differs between runtimes. */
 #include "bare_hand.h"
 #include "device_io.h"
 #include "openxr_helper.h"
@@ -15,9 +15,9 @@
 struct mrt_plugin {
     const mrt_host *host;
     bool is_open;
-    openxr_listener listener; /* joined while it is open */
+    openxr_listener listener; /* joined while open */
     bare_hand hand;
-    openxr_hand last[2]; /* frames are news of two hands */
+    openxr_hand last[2]; /* a frame has both hands, even if only one changed */
 };
 
 /* ---- opening ---- */
@@ -35,7 +35,7 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
     input_close(self);
     if (address[0] != '\0') {
         device_say(self->host, MRT_LOG_ERROR,
-                   "\"%.40s\": openxr has no addresses, the system knows one active runtime",
+                   "\"%.40s\": openxr takes no address: the system has one active runtime",
                    address);
         return MRT_ERR_ARGUMENT;
     }
@@ -59,8 +59,8 @@ static const mrt_channel *input_channels(mrt_plugin *self, uint32_t *out_count)
 
 /* ---- reading ---- */
 
-/* OpenXR's 26 joints without the palm and the metacarpals of index to little. What is not tracked
- * is guessed: where a hand that is hidden may be by now. */
+/* OpenXR's 26 joints without the palm and the metacarpals of index to little. Joints that are not
+ * tracked are only guesses for a hidden hand. */
 static void to_landmarks(const openxr_hand *hand, uint32_t side, mrt_landmarks *out)
 {
     static const uint8_t joint[MRT_JOINTS] = {1,  2,  3,  4,  5,  7,  8,  9,  10, 12, 13,
@@ -74,7 +74,7 @@ static void to_landmarks(const openxr_hand *hand, uint32_t side, mrt_landmarks *
     }
 }
 
-/* Whose hand performs; MRT_NO_HAND: nobody's. */
+/* Chooses the hand that performs; MRT_NO_HAND: none. */
 static uint32_t choose(const bare_hand *shown, const openxr_frame *frame)
 {
     const bool is_there[2] = {frame->hand[MRT_LEFT].active == 1,
@@ -88,7 +88,8 @@ static uint32_t choose(const bare_hand *shown, const openxr_frame *frame)
     return is_there[MRT_RIGHT] ? MRT_RIGHT : is_there[MRT_LEFT] ? MRT_LEFT : MRT_NO_HAND;
 }
 
-/* False: nothing of this moves the face: it is held, and eased when the hand is back. */
+/* Returns false if the frame moves nothing. Then the pose is held, and the face eases back when the
+ * hand returns. */
 static bool take_frame(mrt_plugin *self, const openxr_frame *frame)
 {
     mrt_landmarks seen;
@@ -99,7 +100,7 @@ static bool take_frame(mrt_plugin *self, const openxr_frame *frame)
         return false;
     const openxr_hand *hand = &frame->hand[side];
     if (memcmp(&self->last[side], hand, sizeof *hand) == 0)
-        return false; /* it was the other one that moved */
+        return false; /* only the other hand moved */
     self->last[side] = *hand;
     to_landmarks(hand, side, &seen);
     self->hand.reader->read(self->host, &seen, &now);
@@ -138,7 +139,7 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
 
 /* ---- devices ---- */
 
-/* Where the loader looks for the runtime that is active. */
+/* Looks for an active runtime where the loader does. */
 static bool has_runtime(void)
 {
     static const char name[] = "openxr/1/active_runtime.json";
@@ -161,11 +162,11 @@ static void fill_device(mrt_device *out)
     char path[PATH_MAX], reason[OPENXR_REASON];
     memset(out, 0, sizeof *out);
     (void)snprintf(out->name, sizeof out->name, "OpenXR: hands of a headset, a Leap or a glove");
-    /* Whether its headset is there only opening tells, which may start it. */
+    /* Only opening shows whether the headset is connected, and opening may start it. */
     out->state = MRT_DEVICE_UNSURE;
     (void)snprintf(out->advice, sizeof out->advice, "%s",
                    openxr_helper_find(path, sizeof path, reason)
-                       ? "open it with the headset connected: it says what is missing"
+                       ? "connect the headset and open the input: it reports what is missing"
                        : reason);
 }
 
@@ -219,7 +220,7 @@ static const mrt_plugin_type type = {
     "org.marotte.openxr",
     "OpenXR",
     MAROTTE_VERSION,
-    "A hand that a headset, a Leap or a glove's driver tracks, by any OpenXR runtime",
+    "A hand tracked by a headset, a Leap or a glove driver, through any OpenXR runtime",
     create,
     destroy,
 };

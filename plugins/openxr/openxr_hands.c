@@ -1,7 +1,7 @@
-/* marotte-openxr-hands - the hands of the active OpenXR runtime, as records on descriptor 3: a
- * program of its own, because the runtime and its drivers are loaded into it. Started and watched
- * by the plugin (openxr_helper.c); ends with a record that says why, or when nobody reads any more.
- */
+/* marotte-openxr-hands - writes the hands of the active OpenXR runtime as records to descriptor 3.
+ * A separate program, because it loads the runtime and its drivers. The plugin (openxr_helper.c)
+ * starts and watches it. It ends with a record of the reason, or when the reader closes the
+ * pipe. */
 #include "device_io.h"
 #include "openxr_record.h"
 
@@ -22,7 +22,7 @@
 #include <openxr/openxr.h>
 #include <openxr/openxr_platform.h>
 
-static const int64_t tick_ns = 5000000; /* headsets give 30 to 60 hands a second, others to 120 */
+static const int64_t tick_ns = 5000000; /* headsets: 30 to 60 hands per second, others up to 120 */
 static const int64_t ns_per_s = 1000000000;
 
 typedef struct session {
@@ -31,9 +31,10 @@ typedef struct session {
     XrSpace space;
     XrHandTrackerEXT tracker[2];
     PFN_xrLocateHandJointsEXT locate;
-    PFN_xrConvertTimespecTimeToTimeKHR from_timespec; /* NULL: this runtime cannot convert */
+    PFN_xrConvertTimespecTimeToTimeKHR from_timespec; /* NULL: this runtime cannot convert times */
     PFN_xrConvertTimeToTimespecTimeKHR to_timespec;
-    int64_t runtime_offset_ns; /* without these: the runtime's clock less the monotonic one */
+    int64_t runtime_offset_ns; /* used without these functions: the runtime's clock minus the
+                                  monotonic one */
     bool is_running;
 } session;
 
@@ -49,7 +50,7 @@ static int64_t now_ns(void)
 static void put(const openxr_record *record)
 {
     if (write(OPENXR_FD, record, sizeof *record) != (ssize_t)sizeof *record)
-        _exit(0); /* nobody reads */
+        _exit(0); /* the reader closed the pipe */
 }
 
 __attribute__((format(printf, 2, 3))) static void put_text(uint32_t kind, const char *format, ...)
@@ -62,7 +63,7 @@ __attribute__((format(printf, 2, 3))) static void put_text(uint32_t kind, const 
     put(&record);
 }
 
-/* The runtime is not asked to clean up: what has failed may hang there. */
+/* Does not ask the runtime to clean up, because it may hang after a failure. */
 #define END(...) (put_text(OPENXR_END, __VA_ARGS__), _exit(1))
 
 static void need(XrResult result, const char *what)
@@ -70,12 +71,12 @@ static void need(XrResult result, const char *what)
     if (XR_SUCCEEDED(result))
         return;
     if (result == XR_ERROR_SESSION_LOST || result == XR_ERROR_INSTANCE_LOST)
-        END("the OpenXR runtime has lost its session: is the headset still connected?");
-    END("the OpenXR runtime refuses %s (error %d): is its headset or glove connected?", what,
-        (int)result);
+        END("the OpenXR runtime lost its session: is the headset still connected?");
+    END("the OpenXR runtime does not provide %s (error %d): is its headset or glove connected?",
+        what, (int)result);
 }
 
-/* ---- opening, in the order that the extensions ask for ---- */
+/* ---- opening, in the order required by the extensions ---- */
 
 static bool has(const XrExtensionProperties *extension, uint32_t count, const char *name)
 {
@@ -90,7 +91,7 @@ static void open_instance(session *s)
     uint32_t count = 0;
     XrResult result = xrEnumerateInstanceExtensionProperties(NULL, 0, &count, NULL);
     if (result == XR_ERROR_RUNTIME_UNAVAILABLE)
-        END("no OpenXR runtime is active: start WiVRn, Monado or SteamVR, and its headset");
+        END("no active OpenXR runtime: start WiVRn, Monado or SteamVR, and its headset");
     need(result, "its list of extensions");
     XrExtensionProperties *extension = calloc(count + 1, sizeof *extension);
     if (!extension)
@@ -120,10 +121,10 @@ static void open_instance(session *s)
         return;
     need(xrGetInstanceProcAddr(s->instance, "xrConvertTimespecTimeToTimeKHR",
                                (PFN_xrVoidFunction *)&s->from_timespec),
-         "to tell the time");
+         "the time");
     need(xrGetInstanceProcAddr(s->instance, "xrConvertTimeToTimespecTimeKHR",
                                (PFN_xrVoidFunction *)&s->to_timespec),
-         "to tell the time");
+         "the time");
 }
 
 static void open_session(session *s)
@@ -135,13 +136,13 @@ static void open_session(session *s)
     if (result == XR_ERROR_FORM_FACTOR_UNAVAILABLE)
         END("the OpenXR runtime has no headset yet: connect it");
     need(result, "a headset");
-    /* What is in the list of extensions says nothing about this headset. */
+    /* The list of extensions does not show whether this headset tracks hands. */
     XrSystemHandTrackingPropertiesEXT hands = {.type = XR_TYPE_SYSTEM_HAND_TRACKING_PROPERTIES_EXT};
     XrSystemProperties about = {.type = XR_TYPE_SYSTEM_PROPERTIES, .next = &hands};
     need(xrGetSystemProperties(s->instance, system, &about), "the headset's properties");
     if (!hands.supportsHandTracking)
         END("this headset tracks no hands: switch hand tracking on in its settings");
-    /* No graphics: that is what headless means. */
+    /* No graphics binding: headless. */
     XrSessionCreateInfo create = {.type = XR_TYPE_SESSION_CREATE_INFO, .systemId = system};
     need(xrCreateSession(s->instance, &create, &s->session), "a session without pictures");
     XrReferenceSpaceCreateInfo space = {.type = XR_TYPE_REFERENCE_SPACE_CREATE_INFO,
@@ -180,7 +181,7 @@ static void follow_state(session *s, const XrEventDataSessionStateChanged *chang
         need(xrEndSession(s->session), "to end");
     } else if (changed->state == XR_SESSION_STATE_LOSS_PENDING ||
                changed->state == XR_SESSION_STATE_EXITING) {
-        END("the OpenXR runtime has ended the session: is the headset still connected?");
+        END("the OpenXR runtime ended the session: is the headset still connected?");
     }
 }
 
@@ -193,7 +194,7 @@ static void follow_events(session *s)
         if (result == XR_EVENT_UNAVAILABLE)
             return;
         if (event.type == XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING)
-            END("the OpenXR runtime is ending");
+            END("the OpenXR runtime is shutting down");
         if (event.type == XR_TYPE_EVENT_DATA_SESSION_STATE_CHANGED) {
             XrEventDataSessionStateChanged changed;
             memcpy(&changed, &event, sizeof changed);
@@ -209,7 +210,7 @@ static XrTime runtime_now(const session *s)
     if (!s->from_timespec)
         return now_ns() + s->runtime_offset_ns;
     clock_gettime(CLOCK_MONOTONIC, &now);
-    need(s->from_timespec(s->instance, &now, &time), "to tell the time");
+    need(s->from_timespec(s->instance, &now, &time), "the time");
     return time;
 }
 
@@ -218,10 +219,10 @@ static int64_t to_monotonic(const session *s, XrTime time)
     struct timespec at;
     if (!s->to_timespec)
         return device_time_ns(time) - s->runtime_offset_ns;
-    need(s->to_timespec(s->instance, time, &at), "to tell the time");
+    need(s->to_timespec(s->instance, time, &at), "the time");
     const int64_t most_s = DEVICE_TIME_MAX_NS / ns_per_s;
     if (at.tv_sec < -most_s || at.tv_sec > most_s || at.tv_nsec < 0 || at.tv_nsec >= ns_per_s)
-        return INT64_MAX; /* no clock has that time: the reader drops the frame */
+        return INT64_MAX; /* out of range: the reader drops the frame */
     return (int64_t)at.tv_sec * ns_per_s + at.tv_nsec;
 }
 
@@ -235,7 +236,7 @@ static void locate(const session *s, int side, XrTime time, openxr_hand *out)
                                      .jointLocations = joint};
     memset(joint, 0, sizeof joint);
     XrResult result = s->locate(s->tracker[side], &ask, &found);
-    if (result == XR_ERROR_TIME_INVALID) /* not known yet, or no longer */
+    if (result == XR_ERROR_TIME_INVALID) /* the hand is not located now */
         return;
     need(result, "the hand's joints");
     out->active = found.isActive == XR_TRUE;
@@ -258,7 +259,7 @@ int main(void)
         (void)fprintf(stderr, "marotte-openxr-hands is started by marotte: --input openxr\n");
         return 2;
     }
-    /* Runtimes start programs of their own, which are not to keep the pipe open. */
+    /* Runtimes start other programs, which must not keep the pipe open. */
     (void)fcntl(OPENXR_FD, F_SETFD, FD_CLOEXEC);
     (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
     session s = {.runtime_offset_ns = 0};

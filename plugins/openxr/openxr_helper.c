@@ -19,33 +19,33 @@
 extern char **environ;
 
 static const int64_t ns_per_ms = 1000000;
-/* Drivers and services may have to start before the first frame; after it there is one every 5 ms.
- */
+/* Limits of silence. Drivers and services may have to start before the first frame; after it there
+ * is one every 5 ms. */
 static const int64_t start_ns = 20000000000, silence_ns = 2000000000;
 static const int64_t retry_least_ns = 500000000, retry_most_ns = 8000000000;
-static const int64_t healthy_ns = 5000000000; /* who has lived so long begins anew */
+static const int64_t healthy_ns = 5000000000; /* then the restart delay is reset */
 static const int64_t reset_ns = 500000000;
 
 enum { RING = 16 };
 
-typedef struct watcher { /* of the thread alone */
+typedef struct watcher { /* used only by the watcher thread */
     pid_t pid;           /* 0: none runs */
     int pipe;            /* -1: none runs */
-    size_t size;         /* of `record` that has arrived */
+    size_t size;         /* bytes of `record` received */
     openxr_record record;
     int64_t started_ns, heard_ns, retry_ns, next_start_ns;
     bool has_frames; /* of this process */
     clock_map clock;
     bool has_time, has_hands;
-    int64_t newest_ns, newest_arrival_ns; /* the first in the writer's clock */
+    int64_t newest_ns, newest_arrival_ns; /* first time in the writer's clock */
     openxr_hand last[2];
-    char last_reason[OPENXR_REASON]; /* the last trouble, until it has run well for a while */
+    char last_reason[OPENXR_REASON]; /* last reported failure, until it has run well for a while */
 } watcher;
 
 static struct {
     pthread_mutex_t mutex;
     uint32_t user_count;
-    /* From here on only while there is a user. */
+    /* The fields below are valid only while there is a user. */
     pthread_cond_t changed;
     pthread_t thread;
     int stop; /* an eventfd */
@@ -56,7 +56,7 @@ static struct {
     char text[OPENXR_REASON];
 } shared = {.mutex = PTHREAD_MUTEX_INITIALIZER};
 
-/* Whoever joins or leaves holds this until the thread has begun or ended. */
+/* Held while joining or leaving, until the thread has started or ended. */
 static pthread_mutex_t coming_and_going = PTHREAD_MUTEX_INITIALIZER;
 
 bool openxr_helper_find(char *out, size_t capacity, char out_reason[OPENXR_REASON])
@@ -77,13 +77,13 @@ bool openxr_helper_find(char *out, size_t capacity, char out_reason[OPENXR_REASO
     if (length > 0 && (size_t)length < capacity && access(out, X_OK) == 0)
         return true;
     (void)snprintf(out_reason, OPENXR_REASON,
-                   "%s is not beside the program: marotte was built without OpenXR; install "
-                   "libopenxr-dev and build it again",
+                   "%s is not next to the program: marotte was built without OpenXR. Install "
+                   "libopenxr-dev and build again",
                    name);
     return false;
 }
 
-/* ---- what instances hear ---- */
+/* ---- messages to the instances ---- */
 
 static void publish_text(int kind, const char *text)
 {
@@ -106,8 +106,8 @@ static void publish_frame(const openxr_hand hand[2], int64_t time_ns)
     pthread_mutex_unlock(&shared.mutex);
 }
 
-/* Each sentence once, not at every new try. */
-static void say_trouble(watcher *self, const char *text)
+/* Logs each message once, not for every new attempt. */
+static void report_trouble(watcher *self, const char *text)
 {
     if (strcmp(self->last_reason, text) == 0)
         return;
@@ -123,7 +123,7 @@ static int spawn(pid_t *out_pid, char *program, int pipe_end)
     posix_spawnattr_t attributes;
     sigset_t none, all;
     char *arguments[] = {program, NULL};
-    /* What runtimes print is for whoever asks the loader for it. */
+    /* The output of runtimes is shown only with XR_LOADER_DEBUG. */
     bool is_loud = getenv("XR_LOADER_DEBUG") != NULL;
     int failed = posix_spawn_file_actions_init(&actions);
     if (failed)
@@ -135,7 +135,7 @@ static int spawn(pid_t *out_pid, char *program, int pipe_end)
         failed = posix_spawnattr_setsigmask(&attributes, &none);
     if (!failed)
         failed = posix_spawnattr_setsigdefault(&attributes, &all);
-    /* A group of its own: Ctrl-C is the program's to answer. */
+    /* A separate process group, because Ctrl-C is for the program. */
     if (!failed)
         failed = posix_spawnattr_setflags(
             &attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
@@ -177,12 +177,12 @@ static void start(watcher *self, int64_t now_ns)
     }
     self->pid = 0;
     self->next_start_ns = now_ns + retry_most_ns;
-    (void)snprintf(text, sizeof text, "%.200s cannot be run: %s", shared.program, strerror(failed));
-    say_trouble(self, text);
+    (void)snprintf(text, sizeof text, "cannot run %.200s: %s", shared.program, strerror(failed));
+    report_trouble(self, text);
 }
 
-/* Waits that long for it to end by itself, then ends it. Nobody waits for ever for one that the
- * system holds. The status of its end, 0: unknown. */
+/* Waits this long for the process to end, then kills it. Does not wait forever for a process that
+ * the system blocks. Returns its exit status, 0: unknown. */
 static int end(watcher *self, int patience_ms)
 {
     int status = 0;
@@ -203,7 +203,7 @@ static int end(watcher *self, int patience_ms)
     return gone > 0 ? status : 0;
 }
 
-/* Ends it and starts it again later. why NULL: it has gone by itself, without a word. */
+/* Ends the process and schedules a restart. why NULL: it ended without a reason. */
 static void give_up(watcher *self, const char *why)
 {
     char text[OPENXR_REASON];
@@ -214,19 +214,19 @@ static void give_up(watcher *self, const char *why)
     }
     self->next_start_ns = now_ns + self->retry_ns;
     self->retry_ns = self->retry_ns * 2 < retry_most_ns ? self->retry_ns * 2 : retry_most_ns;
-    /* The pipe closes a moment before the process is gone: how it ended is worth that moment. */
+    /* The pipe closes a moment before the process ends: wait for its exit status. */
     int status = end(self, why ? 0 : 200);
     if (why)
         (void)snprintf(text, sizeof text, "%s", why);
     else if (WIFSIGNALED(status))
         (void)snprintf(text, sizeof text,
-                       "the OpenXR runtime has crashed (%s): hands are held, it is started again",
+                       "the OpenXR runtime crashed (%s): hands are held, restarting it",
                        strsignal(WTERMSIG(status)));
     else
         (void)snprintf(text, sizeof text,
-                       "the OpenXR runtime has ended its program (code %d): it is started again",
+                       "the OpenXR runtime ended its program (code %d): restarting it",
                        WIFEXITED(status) ? WEXITSTATUS(status) : 0);
-    say_trouble(self, text);
+    report_trouble(self, text);
 }
 
 /* ---- records ---- */
@@ -267,15 +267,15 @@ static void take_frame(watcher *self, const openxr_record *record, int64_t arriv
 {
     self->has_frames = true;
     if (record->time_ns != device_time_ns(record->time_ns))
-        return; /* no clock has that time */
-    /* From the past; but a clock that stays there has been set. */
+        return; /* out of range */
+    /* A frame from the past is dropped; if the clock stays in the past, it was set. */
     if (self->has_time && record->time_ns <= self->newest_ns &&
         arrival_ns - self->newest_arrival_ns < reset_ns)
         return;
     self->has_time = true;
     self->newest_ns = record->time_ns;
     self->newest_arrival_ns = arrival_ns;
-    /* Runtimes repeat a frame until the next. */
+    /* Runtimes repeat a frame until the next one. */
     if (self->has_hands && memcmp(self->last, record->hand, sizeof record->hand) == 0)
         return;
     self->has_hands = true;
@@ -283,13 +283,13 @@ static void take_frame(watcher *self, const openxr_record *record, int64_t arriv
     publish_frame(record->hand, clock_map_to_host(&self->clock, record->time_ns, arrival_ns));
 }
 
-/* False: it has been ended. */
+/* Returns false if the process was ended. */
 static bool take_record(watcher *self, int64_t arrival_ns)
 {
     char line[OPENXR_REASON];
     openxr_record *record = &self->record;
     if (!openxr_record_take(record)) {
-        give_up(self, "the OpenXR runtime's program has written nonsense: it is started again");
+        give_up(self, "the OpenXR runtime's program sent invalid data: restarting it");
         return false;
     }
     self->heard_ns = arrival_ns;
@@ -309,7 +309,8 @@ static bool take_record(watcher *self, int64_t arrival_ns)
     return true;
 }
 
-/* At most a few at a time: who writes without end does not keep the watcher from watching. */
+/* Reads only a few records at a time, so that a writer that never stops does not block the
+ * watcher. */
 static void read_records(watcher *self)
 {
     for (int i = 0; i < RING; ++i) {
@@ -348,7 +349,7 @@ static void *watch(void *unused)
             if (self.pid == 0)
                 start(&self, now_ns);
             else
-                give_up(&self, "the OpenXR runtime hangs: hands are held, it is started again");
+                give_up(&self, "the OpenXR runtime hangs: hands are held, restarting it");
             continue;
         }
         int64_t left_ms = (next_ns(&self) - now_ns) / ns_per_ms + 1;
@@ -363,7 +364,7 @@ static void *watch(void *unused)
     return NULL;
 }
 
-/* ---- coming and going ---- */
+/* ---- joining and leaving ---- */
 
 static bool begin(char out_reason[OPENXR_REASON])
 {
@@ -377,13 +378,14 @@ static bool begin(char out_reason[OPENXR_REASON])
     }
     device_condition_init(&shared.changed);
     shared.frame_count = shared.text_count = 0;
-    sigfillset(&all); /* signals are the program's to answer */
+    sigfillset(&all); /* signals are handled by the program */
     pthread_sigmask(SIG_SETMASK, &all, &before);
     int failed = pthread_create(&shared.thread, NULL, watch, NULL);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
     if (!failed)
         return true;
-    (void)snprintf(out_reason, OPENXR_REASON, "OpenXR: no thread: %s", strerror(failed));
+    (void)snprintf(out_reason, OPENXR_REASON, "OpenXR: cannot start a thread: %s",
+                   strerror(failed));
     pthread_cond_destroy(&shared.changed);
     close(shared.stop);
     return false;
@@ -396,7 +398,8 @@ bool openxr_helper_join(openxr_listener *out, char out_reason[OPENXR_REASON])
     if (is_there) {
         pthread_mutex_lock(&shared.mutex);
         shared.user_count += 1;
-        *out = (openxr_listener){shared.frame_count, 0}; /* what is wrong now is news to this one */
+        *out = (openxr_listener){shared.frame_count,
+                                 0}; /* report the current failure to this user again */
         pthread_mutex_unlock(&shared.mutex);
     }
     pthread_mutex_unlock(&coming_and_going);

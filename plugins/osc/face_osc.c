@@ -1,6 +1,7 @@
-/* face_osc.c - the plugin "org.marotte.face_osc": the face as named numbers over OSC, for patches
- * of one's own (TouchDesigner, Max, Pure Data, Blender by marotte's add-on): messages
- * /marotte/1/face NAME VALUE NAME VALUE ..., in bundles whose time tags are the faces' times. */
+/* face_osc.c - the plugin "org.marotte.face_osc": the face as named numbers over OSC, for a user's
+ * own patches (TouchDesigner, Max, Pure Data, Blender with marotte's add-on). Sends messages
+ * /marotte/1/face NAME VALUE NAME VALUE ..., in bundles whose time tags are the times of the
+ * faces. */
 #include "osc_wire.h"
 
 #include <stdio.h>
@@ -16,7 +17,7 @@ struct mrt_plugin {
     osc_sender sender;
     const mrt_face_names *names;
     osc_builder message;
-    size_t bytes; /* of the message that is begun; 0: none */
+    size_t bytes; /* size of the current message; 0: none */
 };
 
 static mrt_plugin *create(const mrt_host *host)
@@ -59,7 +60,7 @@ static void end_message(mrt_plugin *self)
 
 static void say(mrt_plugin *self, const char *name, float value)
 {
-    size_t bytes = strlen(name) + 4 + 4 + 2; /* with its padding, its value and their types */
+    size_t bytes = strlen(name) + 4 + 4 + 2; /* with its padding, its value and the type tags */
     if (self->bytes + bytes > MESSAGE_BYTES)
         end_message(self);
     if (self->bytes == 0)
@@ -69,7 +70,7 @@ static void say(mrt_plugin *self, const char *name, float value)
     self->bytes += bytes;
 }
 
-static void say_contacts(mrt_plugin *self, const mrt_vec3 *offset)
+static void send_contacts(mrt_plugin *self, const mrt_vec3 *offset)
 {
     const mrt_face *face = self->names->face;
     for (uint32_t i = 0; i < face->contact_count; ++i) {
@@ -82,7 +83,7 @@ static void say_contacts(mrt_plugin *self, const mrt_vec3 *offset)
     }
 }
 
-/* Ns since 1970 of a time of the host's clock. */
+/* Converts the host's time to ns since 1970. */
 static int64_t utc_of(const mrt_plugin *self, int64_t time_ns)
 {
     struct timespec now;
@@ -102,7 +103,7 @@ static mrt_result send(mrt_plugin *self, const double *params, const mrt_face_sa
     for (uint32_t i = 0; params[MOTIONS] > 0.5 && i < n->face->dof_count; ++i)
         say(self, n->face->dofs[i].name, sample->dofs[i]);
     if (params[CONTACTS] > 0.5)
-        say_contacts(self, sample->contacts);
+        send_contacts(self, sample->contacts);
     end_message(self);
     return osc_sender_end(&self->sender);
 }
@@ -115,17 +116,17 @@ static void close(mrt_plugin *self)
 static const char *const off_on[] = {"off", "on", NULL};
 static const mrt_param params[PARAM_COUNT] = {
     [RATE] = {1, 0, "Rate", "Network", "Hz",
-              "At most so many faces a second; 0: each that is new; from the next opening on", 0,
-              1000, 0, NULL},
+              "Largest number of faces per second; 0: every new face. Used when the output is "
+              "opened again",
+              0, 1000, 0, NULL},
     [WEIGHTS] = {2, MRT_PARAM_STEPPED, "Weights", "Content", "",
-                 "ARKit's 52 names, and what else any face can be said in, 0 to 1", 0, 1, 1,
-                 off_on},
-    [SHAPES] = {3, MRT_PARAM_STEPPED, "Shapes", "Content", "", "The head's own shapes, 0 to 1", 0,
+                 "ARKit's 52 weights and the other common weights, 0 to 1", 0, 1, 1, off_on},
+    [SHAPES] = {3, MRT_PARAM_STEPPED, "Shapes", "Content", "", "The mesh's own shapes, 0 to 1", 0,
                 1, 1, off_on},
     [MOTIONS] = {4, MRT_PARAM_STEPPED, "Motions", "Content", "",
-                 "The degrees of freedom of bones (jaw.open), rad or mm", 0, 1, 1, off_on},
+                 "Degrees of freedom of the bones (jaw.open), rad or mm", 0, 1, 1, off_on},
     [CONTACTS] = {5, MRT_PARAM_STEPPED, "Contacts", "Content", "",
-                  "How far each contact is moved (mouth.corner.l.x), mm", 0, 1, 1, off_on},
+                  "Movement of each contact (mouth.corner.l.x), mm", 0, 1, 1, off_on},
 };
 static const mrt_face_output output = {open, begin, send, close};
 static const mrt_interface interfaces[] = {{MRT_FACE_OUTPUT, &output}, {NULL, NULL}};
@@ -137,7 +138,7 @@ static const mrt_plugin_type type = {
     "org.marotte.face_osc",
     "Named numbers (OSC)",
     MAROTTE_VERSION,
-    "The face as named numbers over OSC: weights, shapes, bones' motions and contacts",
+    "The face as named numbers over OSC: weights, shapes, bone motions and contacts",
     create,
     destroy,
 };

@@ -1,5 +1,5 @@
-/* osc.c - the plugin "org.marotte.osc": hands and pedals from the network (input), and what inputs
- * measure to another marotte (output). README.md documents every message. */
+/* osc.c - the plugin "org.marotte.osc": receives hands and pedals from the network (input), and
+ * sends the samples of inputs to another marotte (output). README.md documents every message. */
 #include "device_io.h"
 #include "osc_port.h"
 #include "trace.h"
@@ -14,31 +14,31 @@
 enum { PARAM_HAND, PARAM_CONTENT, PARAM_SILENCE, PARAM_COUNT };
 
 static const int64_t ns_per_s = 1000000000;
-/* How long open() waits for the channels of a forwarded source. */
+/* Time for which open() waits for the channels of a forwarded source. */
 static const int64_t open_wait_ns = 2000000000;
-/* How long it waits for a sign of a sender that went away: the host tries again. */
+/* Time for which it waits for a message of a lost sender; the host tries again. */
 static const int64_t return_wait_ns = 500000000;
-/* open() looks this often whether the host is stopping. */
+/* Interval at which open() checks whether the host is stopping. */
 static const int64_t look_ns = 5000000;
-/* Silence after which an input is lost, in silences after which its pedals go up. */
+/* An input is lost after this many times the silence that releases its pedals. */
 enum { LOST_SILENCES = 3 };
 
-/* MRT_INPUT: hands, pedals and forwarded sources that others send. Says what is heard as samples,
- * notices when a sender is silent, lets its pedals up. */
+/* MRT_INPUT: receives hands, pedals and forwarded sources. Returns them as samples, detects a
+ * silent sender, and releases its pedals. */
 typedef struct osc_input {
     const mrt_host *host;
     osc_port *port; /* NULL: not listening */
     osc_address address;
-    osc_listener listener; /* joined while port is there: under the port's lock */
-    osc_table table;       /* what channels() gives while open */
+    osc_listener listener; /* joined while port is open: guarded by the port's lock */
+    osc_table table;       /* result of channels() while open */
     bool is_open;
-    bool is_lost; /* the sender went away: the port stays open, so that nothing is missed when it
-                     comes back */
+    bool is_lost; /* the sender was lost: the port stays open, so that no message is missed when the
+                     sender returns */
     bool has_asked_to_restart;
-    int64_t host_offset_ns; /* host clock less ours */
+    int64_t host_offset_ns; /* host clock minus ours */
     int64_t opened_ns;      /* ours */
-    int64_t last_time_ns;   /* of the sample given last, host clock */
-    uint32_t sequence;      /* of the sample given last */
+    int64_t last_time_ns;   /* of the last sample returned, host clock */
+    uint32_t sequence;      /* of the last sample returned */
     float value[MRT_MAX_CHANNELS];
     bool has_given;
 } osc_input;
@@ -47,24 +47,25 @@ enum { SOURCES_MAX = 16, PACKET_BYTES = 8192 };
 static const int64_t repeat_ns = 250000000, announce_ns = 500000000;
 
 typedef struct forwarded {
-    osc_table table; /* of what was written last; source "": unused */
+    osc_table table; /* last content sent; source "": unused */
     mrt_sample last;
-    int64_t sent_ns, told_ns; /* when the last sample and the channels were sent, our clock */
+    int64_t sent_ns,
+        told_ns; /* times at which the last sample and the channels were sent, our clock */
 } forwarded;
 
-/* MRT_OUTPUT: forwards samples of inputs to another marotte without loss of a bit. A thread of its
- * own tells the channels every 500 ms and says the last sample again after 250 ms without a newer
- * one, so that who listens can join late, hears that the sender is there, and gets a pedal's
- * release even if its datagram was lost. */
+/* MRT_OUTPUT: forwards samples of inputs to another marotte, bit for bit. A separate thread sends
+ * the channels every 500 ms, and repeats the last sample after 250 ms without a newer one. So a
+ * receiver can start late, knows that the sender is running, and gets the release of a pedal even
+ * if its datagram was lost. */
 typedef struct osc_output {
     const mrt_host *host;
     bool is_open;
     int socket;
     trace trace;
     osc_address address;
-    int64_t host_offset_ns; /* host clock less ours */
+    int64_t host_offset_ns; /* host clock minus ours */
     pthread_t thread;
-    pthread_mutex_t mutex; /* guards what follows; held for a send at most, which never waits */
+    pthread_mutex_t mutex; /* guards the fields below; held for at most one send, without waiting */
     pthread_cond_t wake;
     bool is_stopping;
     forwarded source[SOURCES_MAX];
@@ -78,7 +79,7 @@ struct mrt_plugin {
     osc_output output;
 };
 
-/* ---- the input: what it listens to ---- */
+/* ---- the input: listening ---- */
 
 static void stop_listening(osc_input *self)
 {
@@ -110,7 +111,7 @@ static osc_content content_of(const double *params)
     return content < 2.5 ? OSC_CONTENT_PEDALS_ONLY : OSC_CONTENT_CONTROLS;
 }
 
-/* One that was lost listens on to what it had, if that is what is asked for. */
+/* Returns true if a lost input can keep its listener, because it has the same settings. */
 static bool goes_on(const osc_input *self, const osc_address *address, const double *params)
 {
     if (!self->port || !self->is_lost || self->address.port != address->port ||
@@ -141,7 +142,8 @@ static mrt_result start_listening(osc_input *self, const osc_address *address, c
     return MRT_OK;
 }
 
-/* Whether there is what open() waits for: channels, and, of a sender that went away, a sign. */
+/* Returns true if open() is complete: the channels are known and, for a lost sender, a message has
+ * arrived. */
 static bool is_there(osc_input *self)
 {
     osc_port_lock(self->port);
@@ -151,7 +153,7 @@ static bool is_there(osc_input *self)
     return found;
 }
 
-/* Receives until it is there. MRT_TIMEOUT: it was not in time, or the host is stopping. */
+/* Receives until that. Returns MRT_TIMEOUT if it took too long, or if the host is stopping. */
 static mrt_result wait_until_there(osc_input *self, int64_t wait_ns)
 {
     int64_t until_ns = device_clock_ns() + wait_ns;
@@ -167,8 +169,8 @@ static mrt_result wait_until_there(osc_input *self, int64_t wait_ns)
     return MRT_OK;
 }
 
-/* The socket is of no use any more: the next open() makes a new one. */
-static mrt_result say_network_failed(osc_input *self)
+/* The socket failed: the next open() creates a new one. */
+static mrt_result report_network_failure(osc_input *self)
 {
     device_say(self->host, MRT_LOG_ERROR,
                "port %u: the network failed: is the connection still there?",
@@ -177,10 +179,10 @@ static mrt_result say_network_failed(osc_input *self)
     return MRT_ERR_IO;
 }
 
-static mrt_result say_nobody(osc_input *self)
+static mrt_result report_no_sender(osc_input *self)
 {
     const osc_address *address = &self->address;
-    if (self->is_lost) { /* said when it went */
+    if (self->is_lost) { /* reported when it was lost */
         device_say(self->host, MRT_LOG_DEBUG, "port %u: nothing yet", (unsigned)address->port);
         return MRT_ERR_IO;
     }
@@ -188,16 +190,15 @@ static mrt_result say_nobody(osc_input *self)
     osc_port_name_sources(self->port, there, sizeof there);
     if (there[0] != '\0')
         device_say(self->host, MRT_LOG_ERROR,
-                   "port %u: \"%s\" is not forwarded to it, but %s: choose one of these",
-                   (unsigned)address->port, address->source, there);
+                   "port %u: \"%s\" is not forwarded to it; available: %s", (unsigned)address->port,
+                   address->source, there);
     else
-        device_say(
-            self->host, MRT_LOG_ERROR,
-            "%s port %u: no marotte forwards \"%s\" to it: start `marotte devices --forward "
-            "ADDRESS:%u` on the other computer, and let both firewalls pass UDP; to hear another "
-            "computer write 0.0.0.0:%u/%s here",
-            address->host, (unsigned)address->port, address->source, (unsigned)address->port,
-            (unsigned)address->port, address->source);
+        device_say(self->host, MRT_LOG_ERROR,
+                   "%s port %u: no marotte forwards \"%s\" to it: start `marotte devices --forward "
+                   "ADDRESS:%u` on the other computer, and let both firewalls pass UDP; to receive "
+                   "from another computer, write 0.0.0.0:%u/%s here",
+                   address->host, (unsigned)address->port, address->source, (unsigned)address->port,
+                   (unsigned)address->port, address->source);
     return MRT_ERR_IO;
 }
 
@@ -207,7 +208,7 @@ static void begin(osc_input *self)
     osc_table_copy(&self->table, &self->listener.table);
     osc_port_unlock(self->port);
     if (!self->is_lost)
-        self->has_given = false; /* the sequence of one that was lost goes on */
+        self->has_given = false; /* keeps the sequence of a lost input */
     self->is_open = true;
     self->is_lost = false;
     self->has_asked_to_restart = false;
@@ -230,11 +231,10 @@ static mrt_result input_open(mrt_plugin *plugin, const char *address, const doub
     osc_address parsed;
     input_close(plugin);
     if (!osc_address_parse(&parsed, address)) {
-        device_say(
-            self->host, MRT_LOG_ERROR,
-            "\"%.100s\" is no address: expected [HOST:]PORT, and /SOURCE for what another marotte "
-            "forwards, as in 9105 or 0.0.0.0:9105/cyberglove",
-            address);
+        device_say(self->host, MRT_LOG_ERROR,
+                   "\"%.100s\" is not an address: expected [HOST:]PORT, with /SOURCE for an input "
+                   "that another marotte forwards, as in 9105 or 0.0.0.0:9105/cyberglove",
+                   address);
         return MRT_ERR_ARGUMENT;
     }
     if (!goes_on(self, &parsed, params)) {
@@ -247,7 +247,7 @@ static mrt_result input_open(mrt_plugin *plugin, const char *address, const doub
         begin(self);
         return MRT_OK;
     }
-    result = result < 0 ? say_network_failed(self) : say_nobody(self);
+    result = result < 0 ? report_network_failure(self) : report_no_sender(self);
     if (!self->is_lost)
         stop_listening(self);
     return result;
@@ -262,7 +262,7 @@ static const mrt_channel *input_channels(mrt_plugin *plugin, uint32_t *out_count
 
 /* ---- the input: reading ---- */
 
-/* Channels are fixed while it is open, so another hand needs it opened again. */
+/* Channels are fixed while the input is open, so a change of the hand requests a restart. */
 static void follow_params(osc_input *self, const double *params)
 {
     const osc_listener *listener = &self->listener;
@@ -307,7 +307,7 @@ static void give_release(osc_input *self, int64_t time_ns, mrt_sample *out)
     give(self, time_ns, 1, out);
 }
 
-/* The next thing in the queue that is a sample. */
+/* Returns the next sample in the queue. */
 static bool give_heard(osc_input *self, mrt_sample *out)
 {
     osc_item item;
@@ -330,19 +330,19 @@ static bool give_heard(osc_input *self, mrt_sample *out)
     }
 }
 
-/* When the sender's silence will mean something, our clock; INT64_MAX: not as things are. */
+/* Times at which the sender's silence has an effect, our clock; INT64_MAX: never. */
 typedef struct silence {
-    const char *loss; /* why the sender counts as gone; NULL: it does not */
+    const char *loss; /* reason why the sender counts as lost; NULL: it does not */
     int64_t release_ns, lost_ns;
-    int64_t frame_ns; /* when the bones that have come are a frame */
+    int64_t frame_ns; /* when the received bones become a frame */
 } silence;
 
 static const char *loss_of(const osc_listener *listener)
 {
     if (listener->has_ended)
-        return "its sender has stopped: waiting for it";
+        return "the sender stopped: waiting for it";
     if (listener->has_other_channels)
-        return "its sender has other channels now: opening it again";
+        return "the sender's channels changed: opening the input again";
     return NULL;
 }
 
@@ -362,11 +362,12 @@ static silence silence_of(osc_input *self, const double *params)
         out.lost_ns = listener->heard_ns + LOST_SILENCES * silence_ns;
     osc_port_unlock(self->port);
     if (!out.loss && out.lost_ns <= device_clock_ns())
-        out.loss = "silent: waiting for its sender";
+        out.loss = "no messages: waiting for the sender";
     return out;
 }
 
-/* From now on the host closes and opens, and this listens for the sender's return. */
+/* Marks the input as lost. The host closes and opens it, and this listener waits for the sender's
+ * return. */
 static mrt_result lose(osc_input *self, const char *why)
 {
     char bound[OSC_SOURCE_LENGTH];
@@ -385,11 +386,10 @@ static void release_pedals(osc_input *self, mrt_sample *out)
     osc_port_lock(self->port);
     osc_listener_release_pedals(&self->listener);
     osc_port_unlock(self->port);
-    device_say(
-        self->host, MRT_LOG_WARNING,
-        "port %u: nothing heard of the pedals: they count as up (silence=0 if their sender speaks "
-        "only when one moves)",
-        (unsigned)self->address.port);
+    device_say(self->host, MRT_LOG_WARNING,
+               "port %u: no pedal messages: pedals released. If the sender only sends changes, set "
+               "silence=0",
+               (unsigned)self->address.port);
     give_release(self, device_clock_ns(), out);
 }
 
@@ -412,7 +412,7 @@ static mrt_result input_read(mrt_plugin *plugin, const double *params, int64_t d
             return MRT_OK;
         }
         if (!works)
-            return say_network_failed(self);
+            return report_network_failure(self);
         if (quiet.loss)
             return lose(self, quiet.loss);
         if (has_waited && until_ns - now_ns < OSC_PORT_WAIT_LEAST_NS)
@@ -429,10 +429,10 @@ static mrt_result input_read(mrt_plugin *plugin, const double *params, int64_t d
 static const char *advice_for_send(int error)
 {
     if (error == ECONNREFUSED)
-        return "nobody listens there yet: start marotte on that computer with "
-               "--input osc:0.0.0.0:PORT/SOURCE";
+        return "no program listens there: start marotte on that computer with --input "
+               "osc:0.0.0.0:PORT/SOURCE";
     if (error == EACCES || error == EPERM)
-        return "a firewall or this computer's settings forbid it";
+        return "a firewall or this computer's settings block it";
     if (error == EAGAIN || error == ENOBUFS)
         return "the network is slower than the samples";
     return "is the network connected?";
@@ -448,9 +448,9 @@ static void send_packet(osc_output *self, size_t size)
     if (self->has_logged_failure)
         return;
     self->has_logged_failure = true;
-    device_say(self->host, MRT_LOG_WARNING, "samples do not reach %s port %u (%s): %s; trying on",
-               self->address.host, (unsigned)self->address.port, strerror(error),
-               advice_for_send(error));
+    device_say(self->host, MRT_LOG_WARNING,
+               "cannot send samples to %s port %u (%s): %s. Still trying", self->address.host,
+               (unsigned)self->address.port, strerror(error), advice_for_send(error));
 }
 
 static void send_channels(osc_output *self, forwarded *from, int64_t now_ns)
@@ -469,7 +469,7 @@ static void send_sample(osc_output *self, forwarded *from, int64_t now_ns)
     from->sent_ns = now_ns;
 }
 
-/* ---- the output: the thread that repeats ---- */
+/* ---- the output: the repeating thread ---- */
 
 static void repeat(osc_output *self, int64_t now_ns)
 {
@@ -508,11 +508,11 @@ static mrt_result start_thread(osc_output *self)
         return MRT_OK;
     pthread_cond_destroy(&self->wake);
     pthread_mutex_destroy(&self->mutex);
-    device_say(self->host, MRT_LOG_ERROR, "the thread that repeats could not be started");
+    device_say(self->host, MRT_LOG_ERROR, "cannot start the thread that repeats messages");
     return MRT_ERR_MEMORY;
 }
 
-static void say_end(osc_output *self)
+static void send_end(osc_output *self)
 {
     for (int i = 0; i < SOURCES_MAX; ++i)
         if (self->source[i].table.count > 0)
@@ -531,9 +531,9 @@ static void output_close(mrt_plugin *plugin)
     pthread_cond_signal(&self->wake);
     pthread_mutex_unlock(&self->mutex);
     pthread_join(self->thread, NULL);
-    say_end(self);
+    send_end(self);
     if (self->failed_count > 0)
-        device_say(self->host, MRT_LOG_INFO, "%u datagrams did not reach %s port %u",
+        device_say(self->host, MRT_LOG_INFO, "%u datagrams could not be sent to %s port %u",
                    self->failed_count, self->address.host, (unsigned)self->address.port);
     pthread_cond_destroy(&self->wake);
     pthread_mutex_destroy(&self->mutex);
@@ -549,9 +549,10 @@ static mrt_result output_open(mrt_plugin *plugin, const char *address, const dou
     output_close(plugin);
     if (!address || address[0] == '\0' || !osc_address_parse(&self->address, address) ||
         self->address.has_source) {
-        device_say(self->host, MRT_LOG_ERROR,
-                   "\"%.100s\" is no address to send to: expected HOST:PORT, as in 192.168.1.20:%d",
-                   address ? address : "", OSC_PORT);
+        device_say(
+            self->host, MRT_LOG_ERROR,
+            "\"%.100s\" is not an address to send to: expected HOST:PORT, as in 192.168.1.20:%d",
+            address ? address : "", OSC_PORT);
         return MRT_ERR_ARGUMENT;
     }
     self->socket = udp_connect(self->address.host, self->address.port, reason);
@@ -586,7 +587,7 @@ static bool is_sample(const mrt_sample *sample)
     return true;
 }
 
-/* The slot of the source, or a free one; NULL: there is none. */
+/* Returns the slot of the source, or a free one; NULL: none. */
 static forwarded *find(osc_output *self, const char *source)
 {
     for (int i = 0; i < SOURCES_MAX; ++i)
@@ -598,7 +599,7 @@ static forwarded *find(osc_output *self, const char *source)
     return NULL;
 }
 
-/* A new version for new channels, and for a source that counts its samples anew. */
+/* Returns false if a new version is needed: for new channels, or if the sequence restarts. */
 static bool is_told(const forwarded *from, const mrt_channel *channels, const mrt_sample *sample)
 {
     uint32_t ahead = sample->sequence - from->last.sequence;
@@ -609,7 +610,7 @@ static bool is_told(const forwarded *from, const mrt_channel *channels, const mr
 static mrt_result refuse(osc_output *self, mrt_result result, const char *source, const char *why)
 {
     if (!self->has_logged_source)
-        device_say(self->host, MRT_LOG_ERROR, "%.95s cannot be forwarded: %s", source, why);
+        device_say(self->host, MRT_LOG_ERROR, "cannot forward %.95s: %s", source, why);
     self->has_logged_source = true;
     return result;
 }
@@ -626,8 +627,8 @@ static mrt_result forward(osc_output *self, const char *source, const mrt_channe
     if (!was_told &&
         !osc_table_set(&to->table, source, to->table.version + 1, channels, sample->count))
         return refuse(self, MRT_ERR_UNSUPPORTED, source,
-                      "a name is longer than 95 (source), 63 (channel) or 15 (unit) letters, "
-                      "or a channel is not described");
+                      "a name is longer than 95 (source), 63 (channel) or 15 (unit) letters, or a "
+                      "channel has no description");
     if (!was_told)
         send_channels(self, to, now_ns);
     to->last = *sample;
@@ -635,7 +636,8 @@ static mrt_result forward(osc_output *self, const char *source, const mrt_channe
     return MRT_OK;
 }
 
-/* A network that fails for a while is said once and is no error: the next sample may pass. */
+/* A temporary failure of the network is logged once and is not an error: the next sample may
+ * arrive. */
 static mrt_result output_write(mrt_plugin *plugin, const char *source, const mrt_channel *channels,
                                const mrt_sample *sample)
 {
@@ -679,14 +681,13 @@ static const char *const content_label[] = {"hand and pedals", "hand and wrist",
 
 static const mrt_param params[PARAM_COUNT] = {
     [PARAM_HAND] = {1, MRT_PARAM_STEPPED, "hand", "Network", "",
-                    "Whose hand the messages of other software are taken for", MRT_LEFT, MRT_RIGHT,
-                    MRT_RIGHT, hand_label},
+                    "Hand for the messages of other software", MRT_LEFT, MRT_RIGHT, MRT_RIGHT,
+                    hand_label},
     [PARAM_CONTENT] = {2, MRT_PARAM_STEPPED, "content", "Network", "",
-                       "Which channels the messages of other software give", 0, 3, 0,
-                       content_label},
+                       "Channels made from the messages of other software", 0, 3, 0, content_label},
     [PARAM_SILENCE] = {3, 0, "silence", "Network", "s",
-                       "Pedals go up after this silence, and after three the sender is lost; 0 "
-                       "if it speaks only when something changes",
+                       "Time without messages after which pedals are released; after three times "
+                       "this the sender is lost. 0: the sender only sends changes",
                        0, 60, 1, NULL},
 };
 
@@ -704,7 +705,7 @@ static const mrt_plugin_type type = {
     "org.marotte.osc",
     "Network",
     MAROTTE_VERSION,
-    "Hands and pedals over the network: from trackers that speak OSC or VMC, and between marottes",
+    "Hands and pedals over the network: from OSC or VMC trackers, and from another marotte",
     create,
     destroy,
 };

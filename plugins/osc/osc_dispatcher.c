@@ -4,9 +4,10 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- sources: what is known of them ---- */
+/* ---- sources ---- */
 
-/* A sample that is older by less is a late datagram; by more, the sender counts anew. */
+/* A sequence that is lower by less than this is a late datagram; by more, the sender has
+ * restarted. */
 enum { LATE_MAX = 1000, GAP_MAX = 1000000 };
 
 static void forget(osc_source *source)
@@ -16,7 +17,7 @@ static void forget(osc_source *source)
     clock_map_reset(&source->clock);
 }
 
-/* Whether this peer may speak for the source; a new one starts it afresh. */
+/* Returns true if this peer may send the source. A new peer restarts the source. */
 static bool source_admits(osc_source *source, const udp_peer *peer, int64_t now_ns)
 {
     bool is_new = !udp_owner_is(&source->owner, peer);
@@ -38,7 +39,7 @@ static void source_take_table(osc_source *source, const osc_table *table)
     osc_table_copy(&source->table, table);
 }
 
-/* The sender's delay before sending is known exactly; only the way here is mapped. */
+/* The delay at the sender is known exactly; only the delay of the network is mapped. */
 static int64_t measured_ns(osc_source *source, const osc_event *event, int64_t arrival_ns)
 {
     int64_t sent_ns = clock_map_to_host(&source->clock, event->sent_ns, arrival_ns);
@@ -50,15 +51,15 @@ static int64_t measured_ns(osc_source *source, const osc_event *event, int64_t a
 
 typedef enum source_news {
     SOURCE_NEXT = 0, /* a newer sample */
-    SOURCE_LATE,     /* older than one that came */
-    SOURCE_DOUBLE,   /* the newest once more */
-    SOURCE_UNTOLD,   /* its channels have not been told yet */
-    SOURCE_MISSHAPEN /* another number of values than channels */
+    SOURCE_LATE,     /* older than the newest one */
+    SOURCE_DOUBLE,   /* the newest one again */
+    SOURCE_UNTOLD,   /* its channels are not known yet */
+    SOURCE_MISSHAPEN /* the number of values differs from the channels */
 } source_news;
 
-/* Where the sample stands among those that came. out_step: by how much its sequence is ahead (1:
- * none was lost); out_time_ns: when it was measured, our clock. Both for SOURCE_NEXT; for
- * _DOUBLE out_time_ns alone. */
+/* Classifies a sample by its sequence. out_step: increase of the sequence (1: no loss);
+ * out_time_ns: time of the measurement, our clock. Both for SOURCE_NEXT; for SOURCE_DOUBLE only
+ * out_time_ns. */
 static source_news source_take_sample(osc_source *source, const osc_event *event,
                                       int64_t arrival_ns, uint32_t *out_step, int64_t *out_time_ns)
 {
@@ -81,7 +82,7 @@ static source_news source_take_sample(osc_source *source, const osc_event *event
     return SOURCE_NEXT;
 }
 
-/* The sender said that it stops. */
+/* Handles a sender's end message. */
 static void source_end(osc_source *source)
 {
     udp_owner_release(&source->owner);
@@ -90,7 +91,7 @@ static void source_end(osc_source *source)
 
 static const float angle_max_rad = 6.2831855f, distance_max_mm = 100000;
 
-/* ---- channels of simple messages, by the names of the log ---- */
+/* ---- channels of simple messages, with the names of the log ---- */
 
 static const char *const wrist_name[7] = {"wrist.x",  "wrist.y",  "wrist.z", "wrist.qx",
                                           "wrist.qy", "wrist.qz", "wrist.qw"};
@@ -180,7 +181,7 @@ static void push(osc_listener *self, const osc_item *item)
         step = self->item[self->first].step;
         self->first = (self->first + 1) % OSC_QUEUE_ITEMS;
         self->count -= 1;
-        if (self->item[self->first].step > 0) /* a release loses nothing */
+        if (self->item[self->first].step > 0) /* a release does not count as a loss */
             self->item[self->first].step += step;
     }
     self->item[(self->first + self->count++) % OSC_QUEUE_ITEMS] = *item;
@@ -215,7 +216,7 @@ static bool has_pedals(const osc_listener *self)
     return self->content == OSC_CONTENT_PEDALS || self->content == OSC_CONTENT_PEDALS_ONLY;
 }
 
-/* Whose message this must be to count; NULL: it is of no use here. */
+/* Returns the owner that decides about this message; NULL: the message is not used. */
 static udp_owner *owner_of(osc_listener *self, const osc_event *event)
 {
     switch (event->kind) {
@@ -313,7 +314,7 @@ void osc_listener_close_frame_if_due(osc_listener *self, int64_t now_ns)
 
 /* ---- messages to a listener ---- */
 
-/* One call an event, then listener_end_packet. False: another sender has this. */
+/* Call once per event, then listener_end_packet. Returns false if another sender has this data. */
 static bool listener_take(osc_listener *self, const osc_event *event, const udp_peer *peer,
                           int64_t now_ns)
 {
@@ -322,7 +323,7 @@ static bool listener_take(osc_listener *self, const osc_event *event, const udp_
     udp_owner *owner = owner_of(self, event);
     if (owner && !udp_owner_admits_single(owner, peer, now_ns))
         return false;
-    /* Whatever the pedals' sender says shows that it is there. */
+    /* Any message of the pedals' sender shows that it is running. */
     if (udp_owner_is(&self->pedal_owner, peer)) {
         self->pedal_heard_ns = now_ns;
         hear(self, now_ns);
@@ -405,7 +406,7 @@ static void listener_take_end(osc_listener *self, int64_t now_ns)
 
 /* ---- the dispatcher: faults ---- */
 
-/* As long as a source counts as there, and keeps its slot, though it is silent. */
+/* Time after which a silent source loses its slot. */
 static const int64_t alive_ns = 1000000000;
 
 static void printable(char *out, size_t capacity, const char *text)
@@ -416,7 +417,7 @@ static void printable(char *out, size_t capacity, const char *text)
     out[i] = '\0';
 }
 
-/* Counts the fault; says the first of each kind. */
+/* Counts the fault; logs the first of each kind. */
 static void complain(osc_dispatcher *self, osc_fault fault, const char *address,
                      const char *expected)
 {
@@ -425,19 +426,18 @@ static void complain(osc_dispatcher *self, osc_fault fault, const char *address,
     char peer[UDP_PEER_TEXT], what[64], text[512];
     udp_peer_text(self->peer, peer, sizeof peer);
     printable(what, sizeof what, address);
-    snprintf(text, sizeof text, "%s from %s: %.200s; such are dropped and counted", what, peer,
-             expected);
+    snprintf(text, sizeof text, "%s from %s: %.200s; such messages are dropped and counted", what,
+             peer, expected);
     self->host->log(self->host, fault == OSC_FAULT_ADDRESS ? MRT_LOG_INFO : MRT_LOG_WARNING, text);
 }
 
 static void complain_of_packet(osc_dispatcher *self, osc_fault fault)
 {
     if (fault == OSC_FAULT_PACKET)
-        complain(self, fault, "a datagram", "it is no OSC: what else sends to this port?");
+        complain(self, fault, "a datagram", "not OSC: check which program sends to this port");
     else
         complain(self, fault, "a packet",
-                 "it holds more than 64 KiB, 512 messages, 256 arguments "
-                 "or 4 bundles in each other");
+                 "more than 64 KiB, 512 messages, 256 arguments or 4 nested bundles");
 }
 
 static void complain_of_sender(osc_dispatcher *self, const char *what, const udp_owner *owner)
@@ -445,8 +445,7 @@ static void complain_of_sender(osc_dispatcher *self, const char *what, const udp
     char first[UDP_PEER_TEXT], text[160];
     udp_peer_text(&owner->peer, first, sizeof first);
     snprintf(text, sizeof text,
-             "%s sends this already and counts until it is silent for 1 s: "
-             "stop one of the two",
+             "%s already sends this and is used until it is silent for 1 s: stop one of the two",
              first);
     complain(self, OSC_FAULT_SENDER, what, text);
 }
@@ -476,8 +475,8 @@ static bool is_listened_to(const osc_dispatcher *self, const osc_source *source)
     return false;
 }
 
-/* The source's slot, or one for it: free, or of one that is silent and that nobody listens to.
- * NULL: there is none. */
+/* Returns the source's slot, or a free one, or one of a silent source without a listener. NULL:
+ * none. */
 static osc_source *slot_for_source(osc_dispatcher *self, const char *name)
 {
     osc_source *found = find_source(self, name);
@@ -506,7 +505,7 @@ static void take_channels(osc_dispatcher *self)
     osc_source *source = slot_for_source(self, self->event.source);
     if (!source) {
         complain(self, OSC_FAULT_SOURCES, self->event.source,
-                 "there is room for 16 sources at one port: use another port");
+                 "a port can have 16 sources: use another port");
         return;
     }
     if (!admits(self, source))
@@ -517,9 +516,9 @@ static void take_channels(osc_dispatcher *self)
             listener_take_table(l, source);
 }
 
-/* Who has heard nothing yet takes also a sample that others have had. */
-static void tell_sample(osc_dispatcher *self, const osc_source *source, source_news news,
-                        uint32_t step, int64_t time_ns)
+/* A listener without any sample also accepts a repeated one. */
+static void deliver_sample(osc_dispatcher *self, const osc_source *source, source_news news,
+                           uint32_t step, int64_t time_ns)
 {
     for (osc_listener *l = self->listeners; l; l = l->next) {
         if (!l->is_forwarded || strcmp(l->bound, source->name) != 0)
@@ -549,7 +548,7 @@ static void take_sample(osc_dispatcher *self)
     self->double_count += news == SOURCE_DOUBLE;
     self->untold_count += news == SOURCE_UNTOLD;
     if (news != SOURCE_MISSHAPEN && news != SOURCE_UNTOLD)
-        tell_sample(self, source, news, step, time_ns);
+        deliver_sample(self, source, news, step, time_ns);
 }
 
 static void take_end(osc_dispatcher *self)
@@ -565,7 +564,7 @@ static void take_end(osc_dispatcher *self)
 
 /* ---- packets ---- */
 
-static void tell_hands(osc_dispatcher *self, const char *address)
+static void deliver_to_hands(osc_dispatcher *self, const char *address)
 {
     for (osc_listener *l = self->listeners; l; l = l->next) {
         if (listener_take(l, &self->event, self->peer, self->now_ns))
@@ -590,7 +589,7 @@ static void take_message(void *context, const osc_message *message)
     else if (self->event.kind == OSC_EVENT_END)
         take_end(self);
     else if (self->event.kind != OSC_EVENT_NONE)
-        tell_hands(self, message->address);
+        deliver_to_hands(self, message->address);
 }
 
 void osc_dispatcher_take(osc_dispatcher *self, void *bytes, size_t size, const udp_peer *peer,

@@ -24,11 +24,11 @@ static const char *const finger_name[5] = {"Thumb", "Index", "Middle", "Ring", "
 static const char *const joint_name[3] = {"Proximal", "Intermediate", "Distal"};
 
 static const double half_turn_rad = 3.14159265358979323846;
-/* The T-pose's thumb stands off the fingers by 45 degrees; a hand whose thumb abduction is 0 by
- * 0.15 rad, as core/hand's skeleton has it. */
+/* In the T-pose the thumb is at 45 degrees to the fingers. In marotte's skeleton (core/hand) a
+ * thumb abduction of 0 is at 0.15 rad. */
 static const double thumb_rest_rad = 3.14159265358979323846 / 4 - 0.15;
 
-/* Takes the word off the front of the text. */
+/* Removes the word from the front of the text. */
 static bool skip_word(const char **text, const char *word)
 {
     size_t length = strlen(word);
@@ -78,9 +78,9 @@ void osc_vmc_settle(osc_vmc_pose *pose, osc_vmc_bone *bone)
         bone->joint = 1;
 }
 
-/* The turn about one axis that is in a quaternion, -pi..pi: twice the angle of its part along the
- * axis against w. In a product of a turn about this axis and one about another it is the former,
- * whatever their order. */
+/* Returns the rotation about one axis in a quaternion, -pi..pi: twice the angle of its part along
+ * the axis against w. In a product of a rotation about this axis and one about another axis, in
+ * either order, this is the former. */
 static double turn_about(double along, double w)
 {
     double turn_rad = 2 * atan2(along, w);
@@ -91,12 +91,12 @@ static double turn_about(double along, double w)
     return turn_rad;
 }
 
-/* A bone's turns as a right hand would make them. */
+/* Rotations of a bone, as for a right hand. */
 typedef struct turns {
-    double flexion_rad;      /* fingers and wrist, towards the palm */
+    double flexion_rad;      /* fingers and wrist: flexion to the palm */
     double aside_rad;        /* to the thumb's side */
-    double across_rad;       /* the thumb's base, towards the palm */
-    double thumb_inward_rad; /* the thumb, towards the fingers: how it bends */
+    double across_rad;       /* base of the thumb: rotation across the palm */
+    double thumb_inward_rad; /* thumb: flexion to the fingers */
 } turns;
 
 static turns turns_of(uint32_t side, const float *xyzw)
@@ -264,7 +264,7 @@ size_t osc_table_write_end(const osc_table *table, void *out, size_t capacity)
 
 /* ---- reading ---- */
 
-/* Two turns, in either direction: more is no joint, but degrees taken for radians. */
+/* Two turns, in either direction: a larger value is not a joint's angle, but probably degrees. */
 static const double angle_max_rad = 2 * 3.14159265358979323846;
 static const double distance_max_mm = 100000;
 
@@ -275,7 +275,7 @@ static osc_fault refuse(osc_event *out, osc_fault fault, const char *expected)
     return fault;
 }
 
-/* Numbers of any type from argument `from` on. */
+/* Reads numbers of any type, starting at argument `from`. */
 static bool read_numbers(osc_event *out, const osc_message *message, uint32_t from, uint32_t count)
 {
     for (uint32_t i = 0; i < count; ++i) {
@@ -296,7 +296,7 @@ static bool are_within(const float *value, uint32_t count, double max)
     return true;
 }
 
-/* A quaternion that says a direction: not finite or of a length far from 1 is none. */
+/* Returns true for a valid rotation: finite, and of a length near 1. */
 static bool is_quaternion(const float *xyzw)
 {
     double squared = 0;
@@ -326,7 +326,7 @@ static osc_fault read_joint(osc_event *out, const osc_message *message)
         !osc_message_int32(message, 0, &first) ||
         !read_numbers(out, message, 1, message->count - 1))
         return refuse(out, OSC_FAULT_TYPES,
-                      "expected the whole number of a sensor (0 to 21), then angles in rad");
+                      "expected a sensor number (0 to 21), then angles in rad");
     if (first < 0 || first >= MRT_ANGLES || (uint32_t)first + out->count > MRT_ANGLES)
         return refuse(out, OSC_FAULT_VALUE, "expected sensors 0 to 21");
     if (!are_within(out->value, out->count, angle_max_rad))
@@ -353,7 +353,7 @@ static osc_fault read_pedal(osc_event *out, const osc_message *message)
     if (message->count != 2 || !osc_message_int32(message, 0, &number) ||
         !read_numbers(out, message, 1, 1))
         return refuse(out, OSC_FAULT_TYPES,
-                      "expected the whole number of a pedal (1 to 4), then 0 (up) to 1 (down)");
+                      "expected a pedal number (1 to 4), then 0 (up) to 1 (down)");
     if (number < 1 || number > MRT_MAX_PEDALS || !(out->value[0] >= 0 && out->value[0] <= 1))
         return refuse(out, OSC_FAULT_VALUE, "expected pedal 1 to 4, and 0 (up) to 1 (down)");
     out->kind = OSC_EVENT_PEDAL;
@@ -370,7 +370,7 @@ static osc_fault read_bone(osc_event *out, const osc_message *message)
         return refuse(out, OSC_FAULT_TYPES,
                       "expected the bone's name and 7 numbers: position, quaternion x y z w");
     if (!osc_vmc_bone_find(&out->bone, name))
-        return OSC_FAULT_NONE; /* the rest of the body */
+        return OSC_FAULT_NONE; /* drop the position, keep the rotation */
     memmove(out->value, out->value + 3, 4 * sizeof *out->value);
     if (!is_quaternion(out->value))
         return refuse(out, OSC_FAULT_VALUE, "expected a quaternion of length 1");
@@ -389,13 +389,13 @@ static osc_fault give_control(osc_event *out, uint32_t control, float value)
     return OSC_FAULT_NONE;
 }
 
-/* Controllers beyond those that have a channel are passed over, as other keys are. */
+/* Ignores controllers without a channel, and other keys. */
 static osc_fault read_controller(osc_event *out, const osc_message *message)
 {
     int32_t number;
     if (message->count != 2 || !osc_message_int32(message, 0, &number) ||
         !read_numbers(out, message, 1, 1))
-        return refuse(out, OSC_FAULT_TYPES, "expected a controller's number and its value");
+        return refuse(out, OSC_FAULT_TYPES, "expected a controller number and its value");
     if (!(out->value[0] >= 0 && out->value[0] <= 1))
         return refuse(out, OSC_FAULT_VALUE, "expected a value from 0 to 1");
     if (number < 0 || number >= OSC_CONTROLLERS)
@@ -497,7 +497,7 @@ static osc_fault read_sample(osc_event *out, const osc_message *message)
     if (!is_time(out->time_ns) || !is_time(out->sent_ns) || out->sent_ns < out->time_ns ||
         !are_within(out->value, out->count, (double)FLT_MAX))
         return refuse(out, OSC_FAULT_VALUE,
-                      "expected finite values, and no sample that is sent before it is measured");
+                      "expected finite values, and a send time that is not before the measurement");
     out->sequence = (uint32_t)sequence;
     out->kind = OSC_EVENT_SAMPLE;
     return OSC_FAULT_NONE;
@@ -535,8 +535,7 @@ static const struct {
     {"/VMC/Ext/OK", MRT_NO_HAND, read_frame},
 };
 
-/* What is expected of an address that is none of these, by how it begins. NULL: nothing, it is
- * passed over. */
+/* Expected message for an unknown address, by its prefix. NULL: ignore it. */
 static const struct {
     const char *prefix, *expected;
 } others[] = {
@@ -544,8 +543,8 @@ static const struct {
     {"/marotte/hand/left/", "expected angles, joint or wrist of a hand"},
     {"/marotte/hand/right/", "expected angles, joint or wrist of a hand"},
     {"/marotte/hand/", "expected left or right after /marotte/hand/"},
-    {"/marotte/", "no such message in this version of marotte"},
-    {"", "no message of marotte or VMC: plugins/osc/README.md"},
+    {"/marotte/", "this version of marotte does not support this message"},
+    {"", "not a message of marotte or VMC: see plugins/osc/README.md"},
 };
 
 osc_fault osc_event_read(osc_event *out, const osc_message *message)

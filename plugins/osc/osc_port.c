@@ -35,11 +35,11 @@ struct osc_port {
     osc_address address;
     int socket;
     pthread_mutex_t mutex;
-    pthread_cond_t changed; /* a packet was taken, or nobody receives any more */
-    bool is_receiving;      /* somebody waits at the socket, without the mutex */
+    pthread_cond_t changed; /* signalled after a packet, and when no input receives any more */
+    bool is_receiving;      /* an input waits at the socket, without the mutex */
     osc_dispatcher dispatcher;
     trace trace;
-    unsigned char packet[OSC_PACKET_MAX]; /* of who receives */
+    unsigned char packet[OSC_PACKET_MAX]; /* buffer of the receiving input */
 };
 
 static pthread_mutex_t ports_mutex = PTHREAD_MUTEX_INITIALIZER;
@@ -59,7 +59,7 @@ static osc_port *make_port(const osc_address *address, const mrt_host *host, cha
 {
     osc_port *self = calloc(1, sizeof *self);
     if (!self) {
-        snprintf(out_reason, UDP_REASON, "no memory for port %u", (unsigned)address->port);
+        snprintf(out_reason, UDP_REASON, "out of memory for port %u", (unsigned)address->port);
         return NULL;
     }
     self->address = *address;
@@ -145,7 +145,8 @@ void osc_port_leave(osc_port *port, osc_listener *listener)
 
 /* ---- receiving ---- */
 
-/* Waits at the socket without the mutex; takes what comes with it. False: the socket failed. */
+/* Waits at the socket without the mutex, and processes the received packet with it. Returns false
+ * if the socket failed. */
 static bool receive(osc_port *self, int64_t deadline_ns, const mrt_host *host)
 {
     udp_peer peer;
@@ -169,7 +170,7 @@ bool osc_port_wait(osc_port *port, const osc_listener *listener, int64_t deadlin
     bool works = true;
     osc_port_lock(port);
     bool had_channels = listener->table.count > 0;
-    bool is_first = true; /* what has come already is taken even when there is no time to wait */
+    bool is_first = true; /* process waiting packets even if there is no time to wait */
     while (works && listener->count == 0 && !listener->has_ended && !listener->has_other_channels &&
            had_channels == (listener->table.count > 0)) {
         if (!is_first && deadline_ns - device_clock_ns() < OSC_PORT_WAIT_LEAST_NS)
@@ -184,7 +185,7 @@ bool osc_port_wait(osc_port *port, const osc_listener *listener, int64_t deadlin
     return works;
 }
 
-/* ---- what to tell ---- */
+/* ---- reports ---- */
 
 void osc_port_name_sources(osc_port *port, char *out, size_t capacity)
 {
@@ -201,9 +202,9 @@ void osc_port_summary(osc_port *port, char *out, size_t capacity)
     for (int i = 0; i < OSC_FAULT_KINDS; ++i)
         faulty += dispatcher->fault_count[i];
     out[0] = '\0';
-    if (faulty + dispatcher->late_count > 0) /* before channels are told: that is usual */
+    if (faulty + dispatcher->late_count > 0) /* samples before the channels are normal */
         snprintf(out, capacity,
-                 "port %u: dropped %u late samples, %u before their channels were told, %u faulty "
+                 "port %u: dropped %u late samples, %u samples without a channel list, %u faulty "
                  "messages",
                  (unsigned)port->address.port, dispatcher->late_count, dispatcher->untold_count,
                  faulty);

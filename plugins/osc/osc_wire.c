@@ -53,7 +53,7 @@ static osc_fault read_message(reader *self, unsigned char *bytes, size_t size, i
     return fault;
 }
 
-/* The rest of one bundle, or of the packet itself. */
+/* Unread part of a bundle, or of the packet. */
 typedef struct span {
     unsigned char *at, *end;
     int64_t tag_ns;
@@ -64,7 +64,7 @@ static bool is_bundle(const unsigned char *bytes, size_t size)
     return size >= BUNDLE_HEAD && memcmp(bytes, "#bundle", 8) == 0;
 }
 
-/* Takes one element off `rest`. False: its size makes no sense. */
+/* Removes one element from `rest`. Returns false if its size is invalid. */
 static bool next_element(span *rest, unsigned char **out_at, size_t *out_size)
 {
     size_t left = (size_t)(rest->end - rest->at);
@@ -128,7 +128,7 @@ static bool has_type(const osc_message *message, uint32_t index, char type)
     return index < message->count && message->types[index] == type;
 }
 
-/* liblo gives arguments aligned to 4 bytes, so they are copied. */
+/* Arguments in liblo are aligned to 4 bytes only, so they are copied. */
 bool osc_message_int32(const osc_message *message, uint32_t index, int32_t *out)
 {
     if (!has_type(message, index, LO_INT32))
@@ -265,7 +265,7 @@ void osc_sender_add(osc_sender *self, osc_builder *message, const char *address)
     unsigned char bytes[OSC_BUNDLE_MAX - BUNDLE_HEAD - SIZE_FIELD];
     size_t size = osc_builder_finish(message, address, bytes, sizeof bytes);
     if (size == 0)
-        return; /* no memory: the next frame says it again */
+        return; /* out of memory: the next frame repeats the values */
     if (self->size > BUNDLE_HEAD && self->size + SIZE_FIELD + size > OSC_BUNDLE_MAX)
         send_bundle(self);
     if (self->size == 0)

@@ -1,7 +1,7 @@
-/* vmc.c - the plugin "org.marotte.vmc": the face over the VMC protocol (protocol.vmc.info), to
- * avatars and to what else listens to it. As an assistant it sends head, eyes and blend shapes to a
- * performer, which has the body; as a performer it sends a whole person who stands still, straight
- * to a marionette. Unity's axes: left-handed, y up, the face looks to +z. */
+/* vmc.c - the plugin "org.marotte.vmc": the face over the VMC protocol (protocol.vmc.info), for
+ * avatars and other receivers. As an assistant it sends head, eyes and blend shapes to a performer,
+ * which has the body. As a performer it sends a whole person who stands still, directly to a
+ * marionette. Unity's axes: left-handed, y up, the face looks to +z. */
 #include "osc_wire.h"
 
 #include <stdio.h>
@@ -74,7 +74,7 @@ static const char *const body_bone[] = {
 };
 enum { BODY_BONES = sizeof body_bone / sizeof *body_bone };
 
-/* Which bone of a face each is; more than one name: the first that the face has. */
+/* VMC bones of the face's bones. With several names, the first one that the face has. */
 static const struct {
     const char *vmc, *face[3];
 } head_bone[] = {{"Neck", {"neck", NULL}},
@@ -84,7 +84,7 @@ static const struct {
                  {"Jaw", {"jaw", NULL}}};
 enum { HEAD_BONES = sizeof head_bone / sizeof *head_bone, JAW_BONE = HEAD_BONES - 1 };
 
-/* VRM 1.0's expressions by the names of VRM 0's presets. */
+/* Expressions of VRM 1.0 with their preset names in VRM 0. */
 static const char *const preset_name[][2] = {{"aa", "A"},
                                              {"ih", "I"},
                                              {"ou", "U"},
@@ -104,9 +104,9 @@ struct mrt_plugin {
     const mrt_host *host;
     osc_sender sender;
     const mrt_face_names *names;
-    uint32_t bone[HEAD_BONES]; /* of the face; NO_BONE */
+    uint32_t bone[HEAD_BONES]; /* index in the face, or NO_BONE */
     uint32_t preset[PRESETS];  /* index of the weight; UINT32_MAX: none */
-    int64_t begun_ns;          /* time 0 of what is sent; live */
+    int64_t begun_ns;          /* time 0 of the sent times; live */
 };
 
 static mrt_plugin *create(const mrt_host *host)
@@ -130,7 +130,7 @@ static mrt_result open(mrt_plugin *self, const char *address, const double *para
                        mrt_face_wants *wants)
 {
     wants->rate_hz = params[RATE];
-    wants->repeat_s = 0.25; /* receivers ask whether anybody is still there */
+    wants->repeat_s = 0.25; /* repeats show the receivers that the sender is running */
     self->begun_ns = self->host->now_ns(self->host);
     return udp_sender_open(&self->sender.to, address,
                            params[ROLE] > 0.5 ? PERFORMER_PORT : ASSISTANT_PORT, "vmc");
@@ -169,7 +169,7 @@ static void multiply(float out[4], const float a[4], const float b[4])
     out[3] = a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2];
 }
 
-/* A bone's turn about its parent, in Unity's axes: those of the face mirrored in x. */
+/* Rotation of a bone relative to its parent, in Unity's axes: the face's axes mirrored in x. */
 static void local_rotation(float out[4], const mrt_face_names *n, const mrt_face_sample *sample,
                            uint32_t bone)
 {
@@ -186,8 +186,8 @@ static void local_rotation(float out[4], const mrt_face_names *n, const mrt_face
     out[3] = rotation[3];
 }
 
-static void say_bone(mrt_plugin *self, const char *address, const char *name,
-                     const float rotation[4])
+static void send_bone(mrt_plugin *self, const char *address, const char *name,
+                      const float rotation[4])
 {
     osc_builder message = osc_builder_start();
     osc_builder_text(&message, name);
@@ -209,8 +209,8 @@ static int head_bone_of(const mrt_plugin *self, const char *name, bool with_jaw)
     return -1;
 }
 
-/* A performer says all bones, an assistant those that it has. */
-static void say_bones(mrt_plugin *self, const double *params, const mrt_face_sample *sample)
+/* A performer sends all bones, an assistant only the face's bones. */
+static void send_bones(mrt_plugin *self, const double *params, const mrt_face_sample *sample)
 {
     for (int i = 0; i < BODY_BONES; ++i) {
         int of = head_bone_of(self, body_bone[i], params[JAW] > 0.5);
@@ -218,13 +218,13 @@ static void say_bones(mrt_plugin *self, const double *params, const mrt_face_sam
         if (of >= 0)
             local_rotation(rotation, self->names, sample, self->bone[of]);
         if (of >= 0 || params[ROLE] > 0.5)
-            say_bone(self, "/VMC/Ext/Bone/Pos", body_bone[i], rotation);
+            send_bone(self, "/VMC/Ext/Bone/Pos", body_bone[i], rotation);
     }
 }
 
 /* ---- blend shapes ---- */
 
-static void say_blend(mrt_plugin *self, const char *name, float value)
+static void send_blend(mrt_plugin *self, const char *name, float value)
 {
     osc_builder message = osc_builder_start();
     osc_builder_text(&message, name);
@@ -232,7 +232,7 @@ static void say_blend(mrt_plugin *self, const char *name, float value)
     osc_sender_add(&self->sender, &message, "/VMC/Ext/Blend/Val");
 }
 
-static void say_blends(mrt_plugin *self, const double *params, const mrt_face_sample *sample)
+static void send_blends(mrt_plugin *self, const double *params, const mrt_face_sample *sample)
 {
     const mrt_face_names *n = self->names;
     bool has_arkit = n->weight_count >= ARKIT;
@@ -241,13 +241,13 @@ static void say_blends(mrt_plugin *self, const double *params, const mrt_face_sa
         (void)snprintf(name, sizeof name, "%.64s", n->weights[i]);
         if ((int)params[CASE] == CASE_CAMEL && name[0] >= 'A' && name[0] <= 'Z')
             name[0] = (char)(name[0] - 'A' + 'a');
-        say_blend(self, name, sample->weights[i]);
+        send_blend(self, name, sample->weights[i]);
     }
     for (int i = 0; (int)params[NAMES] != NAMES_ARKIT && i < PRESETS; ++i)
         if (self->preset[i] != UINT32_MAX)
-            say_blend(self, preset_name[i][1], sample->weights[self->preset[i]]);
+            send_blend(self, preset_name[i][1], sample->weights[self->preset[i]]);
     for (uint32_t i = 0; (params[OWN] > 0.5 || !has_arkit) && i < n->shape_count; ++i)
-        say_blend(self, n->shapes[i], sample->shapes[i]);
+        send_blend(self, n->shapes[i], sample->shapes[i]);
     osc_builder message = osc_builder_start();
     osc_sender_add(&self->sender, &message, "/VMC/Ext/Blend/Apply");
 }
@@ -263,9 +263,9 @@ static mrt_result send(mrt_plugin *self, const double *params, const mrt_face_sa
     osc_builder_float(&message, (float)((double)at_ns * 1e-9));
     osc_sender_add(&self->sender, &message, "/VMC/Ext/T");
     if (params[ROLE] > 0.5)
-        say_bone(self, "/VMC/Ext/Root/Pos", "root", no_rotation);
-    say_bones(self, params, sample);
-    say_blends(self, params, sample);
+        send_bone(self, "/VMC/Ext/Root/Pos", "root", no_rotation);
+    send_bones(self, params, sample);
+    send_blends(self, params, sample);
     return osc_sender_end(&self->sender);
 }
 
@@ -280,22 +280,22 @@ static const char *const case_label[] = {"pascal", "camel", NULL};
 static const char *const off_on[] = {"off", "on", NULL};
 static const mrt_param params[PARAM_COUNT] = {
     [ROLE] = {1, MRT_PARAM_STEPPED, "Role", "Network", "",
-              "Assistant: to a performer with a body, port 39540; performer: a whole person, to a "
-              "marionette, port 39539; from the next opening on",
+              "Assistant: send to a performer with a body, port 39540. Performer: send a whole "
+              "person to a marionette, port 39539. Used when the output is opened again",
               0, 1, 0, roles},
     [NAMES] = {2, MRT_PARAM_STEPPED, "Names", "Blend shapes", "",
                "ARKit's 52, VRM's presets (A, Blink, Joy), or both", 0, 2, NAMES_ALL, names_label},
     [CASE] = {3, MRT_PARAM_STEPPED, "Case", "Blend shapes", "",
-              "EyeBlinkLeft, as the protocol has it, or eyeBlinkLeft", 0, 1, CASE_PASCAL,
-              case_label},
+              "EyeBlinkLeft, as in the protocol, or eyeBlinkLeft", 0, 1, CASE_PASCAL, case_label},
     [OWN] = {4, MRT_PARAM_STEPPED, "Own shapes", "Blend shapes", "",
-             "The head's own shapes by their own names too", 0, 1, 0, off_on},
+             "Also send the mesh's own shapes with their names", 0, 1, 0, off_on},
     [JAW] = {5, MRT_PARAM_STEPPED, "Jaw", "Bones", "",
-             "The jaw as a bone too: for avatars whose mouth no blend shape opens", 0, 1, 0,
-             off_on},
+             "Also send the jaw as a bone, for avatars without a blend shape that opens the mouth",
+             0, 1, 0, off_on},
     [RATE] = {6, 0, "Rate", "Network", "Hz",
-              "At most so many faces a second; 0: each that is new; from the next opening on", 0,
-              1000, 0, NULL},
+              "Largest number of faces per second; 0: every new face. Used when the output is "
+              "opened again",
+              0, 1000, 0, NULL},
 };
 static const mrt_face_output output = {open, begin, send, close};
 static const mrt_interface interfaces[] = {{MRT_FACE_OUTPUT, &output}, {NULL, NULL}};

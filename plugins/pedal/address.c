@@ -3,7 +3,7 @@
 #include <stddef.h>
 #include <string.h>
 
-/* Four hex digits, neither more nor fewer, then `end`. */
+/* Parses exactly four hex digits, then `end`. */
 static bool parse_id(const char **text, char end, uint16_t *out)
 {
     uint32_t number = 0;
@@ -21,7 +21,7 @@ static bool parse_id(const char **text, char end, uint16_t *out)
     return *(*text)++ == end;
 }
 
-/* 1..3 digits without a leading zero. */
+/* Parses 1..3 digits without a leading zero. */
 static bool parse_port(const char **text, uint32_t *out)
 {
     uint32_t number = 0;

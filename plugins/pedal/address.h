@@ -1,6 +1,6 @@
-/* pedal/address.h - which of the devices that are plugged in is meant: "" (the first known pedal),
- * "usb:05f3:00ff" (the first of that kind), "usb:1-2.3" (whatever is in that socket). A device that
- * was found once is found again by its socket. Leaves out USB itself. Pure. */
+/* pedal/address.h - the address of a pedal: "" (the first known pedal), "usb:05f3:00ff" (the first
+ * with this vendor and product), "usb:1-2.3" (the device at that USB port). A device found once is
+ * found again by its USB port. Leaves out USB itself. Pure. */
 #ifndef MAROTTE_PLUGINS_PEDAL_ADDRESS_H
 #define MAROTTE_PLUGINS_PEDAL_ADDRESS_H
 #include <stdbool.h>
@@ -16,20 +16,20 @@ typedef struct address {
     char path[ADDRESS_PATH];  /* ADDRESS_PORT: "1-2.3" */
 } address;
 
-/* False: the text is none of the three. */
+/* Returns false if the text is none of the three. */
 bool address_parse(address *out, const char *text);
 
-/* Orders sockets as people count: "1-2" before "1-10", a hub's sockets after the hub's own. */
+/* Compares USB ports by number: "1-2" before "1-10", the ports of a hub after the hub itself. */
 int address_compare_paths(const char *a, const char *b);
 
-/* The device that an instance has had: only that one will do when it comes back. */
+/* The device that an instance was bound to. Only this device is opened again. */
 typedef struct address_binding {
     bool is_bound;
     uint16_t vendor, product;
     char path[ADDRESS_PATH];
 } address_binding;
 
-/* Whether the device in socket `path` may be opened. `is_known`: as a pedal. */
+/* Returns true if the device at USB port `path` may be opened. is_known: it is a known pedal. */
 bool address_matches(const address *wanted, const address_binding *binding, const char *path,
                      uint16_t vendor, uint16_t product, bool is_known);
 

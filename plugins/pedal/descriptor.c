@@ -7,7 +7,7 @@
 
 enum { STACK = 4, USAGES = 64, LONG_ITEM = 0xfe };
 
-/* Item tags with their type, the two size bits left out. */
+/* Item tags with their type, without the two size bits. */
 enum {
     MAIN_INPUT = 0x80,
     MAIN_OUTPUT = 0x90,
@@ -68,7 +68,7 @@ static mrt_result refuse(const parser *self, const char *what)
 
 /* ---- items ---- */
 
-/* Reads the item at *at and moves behind it; long items, which nobody has defined, are skipped. */
+/* Reads the item at *at and moves after it. Skips long items, which are undefined. */
 static mrt_result next_item(parser *self, const uint8_t *bytes, size_t size, size_t *at, item *out)
 {
     static const uint32_t sizes[] = {0, 1, 2, 4};
@@ -76,14 +76,14 @@ static mrt_result next_item(parser *self, const uint8_t *bytes, size_t size, siz
     uint8_t head = bytes[*at];
     if (head == LONG_ITEM) {
         if (size - *at < 3 || size - *at - 3 < bytes[*at + 1])
-            return refuse(self, "a long item goes past the end");
+            return refuse(self, "a long item is longer than the descriptor");
         *at += 3 + (size_t)bytes[*at + 1];
         return MRT_OK;
     }
     out->tag = head & 0xfc;
     out->size = sizes[head & 3];
     if (size - *at - 1 < out->size)
-        return refuse(self, "an item goes past the end");
+        return refuse(self, "an item is longer than the descriptor");
     for (uint32_t i = 0; i < out->size; ++i)
         out->number |= (uint32_t)bytes[*at + 1 + i] << (8 * i);
     uint32_t sign = out->size > 0 && out->size < 4 ? 1u << (8 * out->size - 1) : 0;
@@ -104,7 +104,7 @@ static uint16_t page_of(const parser *self, uint32_t usage)
     return (uint16_t)(usage > UINT16_MAX ? usage >> 16 : self->now.page);
 }
 
-/* More usages than fit are of no switch that a foot could find. */
+/* Ignores usages beyond the capacity: they are not of a pedal's switch. */
 static void add_usages(parser *self, uint32_t first, uint32_t last)
 {
     if (self->usage_count < USAGES && (uint16_t)first <= (uint16_t)last)
@@ -129,7 +129,7 @@ static void forget_locals(parser *self)
     self->has_usage_low = self->has_usage_high = false;
 }
 
-/* The usage of the n-th of a field's numbers: the last usage stands for all that follow. */
+/* Finds the usage of the n-th number of a field: the last usage applies to all numbers after it. */
 static void name_field(const parser *self, uint32_t n, descriptor_field *field)
 {
     field->page = (uint16_t)self->now.page;
@@ -146,7 +146,7 @@ static void name_field(const parser *self, uint32_t n, descriptor_field *field)
 
 /* ---- fields ---- */
 
-/* Many descriptors write a maximum of 255 in one byte, which is -1 by the book. */
+/* Many descriptors write a maximum of 255 in one byte, which is -1 in the specification. */
 static int64_t high_of(const globals *now)
 {
     return now->high_signed < now->low && now->low >= 0 ? (int64_t)now->high_unsigned
@@ -180,7 +180,7 @@ static mrt_result take_input(parser *self, uint32_t flags)
     uint32_t *used = &self->used_bits[now->report_id];
     uint32_t first = *used + (now->report_id != 0 ? 8 : 0);
     if (bits > DESCRIPTOR_REPORT_BYTES * 8 || first + bits > DESCRIPTOR_REPORT_BYTES * 8)
-        return refuse(self, "a report would be longer than any that USB carries");
+        return refuse(self, "a report is longer than USB allows");
     *used += (uint32_t)bits;
     self->has_fields = true;
     if ((flags & INPUT_CONSTANT) || now->size_bits < 1 || now->size_bits > 32 || now->count < 1)
@@ -191,7 +191,7 @@ static mrt_result take_input(parser *self, uint32_t flags)
     return MRT_OK;
 }
 
-/* ---- the three types of items ---- */
+/* ---- main, global and local items ---- */
 
 static mrt_result take_main(parser *self, const item *it)
 {
@@ -202,7 +202,7 @@ static mrt_result take_main(parser *self, const item *it)
         self->collection_count += 1;
     } else if (it->tag == MAIN_END_COLLECTION) {
         if (self->collection_count == 0)
-            return refuse(self, "a collection ends that did not begin");
+            return refuse(self, "a collection ends without a beginning");
         self->collection_count -= 1;
     } else if (it->tag != MAIN_OUTPUT && it->tag != MAIN_FEATURE) {
         return refuse(self, "an item that HID does not define");
@@ -214,9 +214,9 @@ static mrt_result take_main(parser *self, const item *it)
 static mrt_result take_report_id(parser *self, uint32_t number)
 {
     if (number < 1 || number > 255)
-        return refuse(self, "a report number outside 1..255");
+        return refuse(self, "a report number is outside 1..255");
     if (self->has_fields && !self->has_report_ids)
-        return refuse(self, "the first fields have no report number, later ones have");
+        return refuse(self, "the first fields have no report number, but later ones do");
     self->has_report_ids = true;
     self->now.report_id = number;
     return MRT_OK;
@@ -225,7 +225,7 @@ static mrt_result take_report_id(parser *self, uint32_t number)
 static mrt_result push(parser *self)
 {
     if (self->stack_count == STACK)
-        return refuse(self, "more than 4 states are pushed");
+        return refuse(self, "more than 4 nested push items");
     self->stack[self->stack_count++] = self->now;
     return MRT_OK;
 }
@@ -233,7 +233,7 @@ static mrt_result push(parser *self)
 static mrt_result pop(parser *self)
 {
     if (self->stack_count == 0)
-        return refuse(self, "a state is popped that was not pushed");
+        return refuse(self, "a pop item without a push item");
     self->now = self->stack[--self->stack_count];
     return MRT_OK;
 }
@@ -263,7 +263,7 @@ static mrt_result take_global(parser *self, const item *it)
         return push(self);
     case GLOBAL_POP:
         return pop(self);
-    default: /* physical range, exponent, unit: say nothing about bits */
+    default: /* physical range, exponent, unit: do not affect the bits */
         return MRT_OK;
     }
 }
@@ -306,7 +306,7 @@ static mrt_result parse(parser *self, const uint8_t *bytes, size_t size)
             return result;
     }
     self->at = size;
-    return self->collection_count == 0 ? MRT_OK : refuse(self, "ends within a collection");
+    return self->collection_count == 0 ? MRT_OK : refuse(self, "the last collection has no end");
 }
 
 mrt_result descriptor_parse(descriptor *out, const uint8_t *bytes, size_t size,
@@ -405,7 +405,7 @@ static void add_buttons(layout *out, const descriptor *from)
             add_switch(out, &from->field[i]);
 }
 
-/* The pedals' own axes, if it names any; else all but those that are skipped. */
+/* Adds the axes of pedals, if the descriptor names any; else all axes except the skipped ones. */
 static void add_axes(layout *out, const descriptor *from, bool has_foot_axes)
 {
     uint32_t passed = 0;
@@ -500,7 +500,7 @@ static bool decode_field(const layout_switch *s, const uint8_t *bytes, size_t si
     return true;
 }
 
-/* The list of keys that are down, if the report has one: the part of it that did arrive. */
+/* Returns the list of pressed keys, if the report has one: the part that was received. */
 static const uint8_t *keys_of(const layout *of, const uint8_t *bytes, size_t size,
                               size_t *out_count)
 {
@@ -511,7 +511,7 @@ static const uint8_t *keys_of(const layout *of, const uint8_t *bytes, size_t siz
     return bytes + of->key_at;
 }
 
-/* A keyboard that has lost count says so with one code in every slot. */
+/* A keyboard that reports too many keys sends one code in every slot. */
 static bool is_roll_over(const uint8_t *keys, size_t count)
 {
     for (size_t i = 0; i < count; ++i)

@@ -9,9 +9,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* ---- what is known ---- */
+/* ---- the table ---- */
 
-/* One bit of a byte; a byte that is 0 or 1; a key or another. */
+/* One bit of a byte; a byte that is 0 or 1; one of two keys. */
 #define BIT(byte, n)     .bit = 8 * (byte) + (n), .width = 1, .up = 0, .down = 1
 #define BYTE(byte)       .bit = 8 * (byte), .width = 8, .up = 0, .down = 1
 #define KEY(code, other) .kind = LAYOUT_KEY, .key = {(code), (other)}
@@ -19,8 +19,8 @@
 #define DEVICE(id_vendor, id_product)                                                              \
     .source = LAYOUT_OF_TABLE, .vendor = (id_vendor), .product = (id_product)
 
-/* Interface 0, "01 modifiers 00 k k k k k": factory keys a b c, or the codes 1 2 3 that the
- * programming tools for Linux give to keep letters free. */
+/* Interface 0, "01 modifiers 00 k k k k k": factory keys a b c, or the codes 1 2 3. The Linux
+ * programming tools set these codes to keep letters free. */
 #define PCSENSOR(id_vendor, id_product)                                                            \
     DEVICE(id_vendor, id_product), .interface_number = 0, .key_report_id = 1, .key_at = 3,         \
                                    .key_count = 5, .switch_count = 3,                              \
@@ -28,7 +28,7 @@
                                                 {.name = "centre", KEY(5, 2)},                     \
                                                 {.name = "right", KEY(6, 3)}}
 
-/* A boot keyboard, "modifiers 00 k k k k k k", whose keys are not known: any is the one switch. */
+/* A boot keyboard, "modifiers 00 k k k k k k", with unknown keys: any key is the one switch. */
 #define KEYBOARD(id_vendor, id_product)                                                            \
     DEVICE(id_vendor, id_product), .interface_number = LAYOUT_ANY, .key_at = 2, .key_count = 6,    \
                                    .any_key = true, .switch_count = 1,                             \
@@ -48,7 +48,7 @@
                                              {.name = "forward", BIT(0, 2)},                       \
                                              {.name = "end of letter", BIT(0, 3)}}
 
-/* Its axes are as the device says; `skip` of them come before those of the pedals. */
+/* Axes from the report descriptor; `skip` axes come before those of the pedals. */
 #define DESCRIBED(id_vendor, id_product, skip)                                                     \
     .source = LAYOUT_OF_DESCRIPTOR, .vendor = (id_vendor), .product = (id_product),                \
     .interface_number = LAYOUT_ANY, .axis_skip = (skip)
@@ -117,7 +117,7 @@ bool layout_is_analogue(const layout_switch *s)
 
 /* ---- as text ---- */
 
-/* The format of a layout, one thing a line:
+/* Format of a layout, one item per line:
  *
  *   marotte pedal layout 1
  *   device 05f3:00ff VEC USB Footpedal
@@ -148,7 +148,7 @@ static mrt_result refuse(const reader *self, const char *what)
 
 /* ---- words and numbers ---- */
 
-/* Takes the next word off *rest and ends it; NULL: none. */
+/* Removes the next word from *rest and terminates it; NULL: none. */
 static char *next_word(char **rest)
 {
     char *word = *rest + strspn(*rest, " ");
@@ -172,7 +172,8 @@ static bool parse_number(const char *word, int base, long low, long high, long *
     return *out >= low && *out <= high;
 }
 
-/* The rest of a line is a name: printing characters of any language, no controls. */
+/* Reads the rest of a line as a name: printable characters of any language, no control
+ * characters. */
 static bool take_name(char *out, size_t capacity, const char *rest)
 {
     rest += strspn(rest, " ");
@@ -274,7 +275,7 @@ static mrt_result take_field(reader *self, char *rest)
         return refuse(self, "expected signed or unsigned after the number of bits");
     if (!parse_number(next_word(&rest), 10, INT32_MIN, INT32_MAX, &up) ||
         !parse_number(next_word(&rest), 10, INT32_MIN, INT32_MAX, &down) || up == down)
-        return refuse(self, "expected two different values: what it is when up and when down");
+        return refuse(self, "expected two different values: one for up and one for down");
     return add_switch(self,
                       (layout_switch){.report_id = (uint8_t)report_id,
                                       .bit = (uint16_t)bit,
@@ -314,7 +315,8 @@ static mrt_result take_line(reader *self, char *line)
     return refuse(self, "expected device, interface, endpoint, keys, field or key");
 }
 
-/* Copies the next line, without its end; false: it is too long or holds control characters. */
+/* Copies the next line without its end. Returns false if it is too long or contains control
+ * characters. */
 static bool copy_line(char out[LINE], const char **at, const char *end)
 {
     size_t length = 0;
@@ -334,11 +336,11 @@ static bool copy_line(char out[LINE], const char **at, const char *end)
 static mrt_result check_whole(const reader *self)
 {
     if (!self->has_header || !self->has_device || !self->has_interface || !self->has_endpoint)
-        return refuse(self, "ends before header, device, interface and endpoint were named");
+        return refuse(self, "the header, device, interface or endpoint line is missing");
     if (self->out->switch_count == 0)
-        return refuse(self, "ends without a switch: expected field or key lines");
+        return refuse(self, "no switches: expected field or key lines");
     if (self->needs_keys != self->has_keys)
-        return refuse(self, "a keys line goes with key lines, neither is without the other");
+        return refuse(self, "a keys line needs key lines, and key lines need a keys line");
     return MRT_OK;
 }
 
@@ -356,7 +358,7 @@ mrt_result layout_text_parse(layout *out, const char *bytes, size_t size,
         self.line += 1;
         result = copy_line(line, &at, end)
                      ? take_line(&self, line)
-                     : refuse(&self, "longer than 159 bytes or with control characters");
+                     : refuse(&self, "longer than 159 bytes, or contains control characters");
     }
     if (result >= 0)
         result = check_whole(&self);
@@ -416,18 +418,18 @@ size_t layout_text_print(char out[LAYOUT_TEXT_BYTES], const layout *from)
     return self.used;
 }
 
-/* ---- kept in the user's folder ---- */
+/* ---- storing in the user's folder ---- */
 
 static bool folder_path(char out[LAYOUT_FILE_PATH])
 {
     const char *config = getenv("XDG_CONFIG_HOME");
     const char *home = getenv("HOME");
     int length = -1;
-    if (config && config[0] == '/') /* relative ones are to be ignored, says the specification */
+    if (config && config[0] == '/') /* the specification requires ignoring relative paths */
         length = snprintf(out, LAYOUT_FILE_PATH, "%s/marotte/pedals", config);
     else if (home && home[0] == '/')
         length = snprintf(out, LAYOUT_FILE_PATH, "%s/.config/marotte/pedals", home);
-    return length > 0 && length < LAYOUT_FILE_PATH - 32; /* room for a file's name */
+    return length > 0 && length < LAYOUT_FILE_PATH - 32; /* space for a file name */
 }
 
 bool layout_file_path(char out[LAYOUT_FILE_PATH], uint16_t vendor, uint16_t product)
@@ -441,7 +443,7 @@ bool layout_file_path(char out[LAYOUT_FILE_PATH], uint16_t vendor, uint16_t prod
 
 /* ---- reading ---- */
 
-/* Reads up to a byte more than is allowed, so that a file that is too long is seen. */
+/* Reads up to one byte more than allowed, to detect a file that is too long. */
 static ssize_t read_bounded(int file, char out[LAYOUT_TEXT_BYTES + 1])
 {
     size_t used = 0;
@@ -458,7 +460,7 @@ static ssize_t read_bounded(int file, char out[LAYOUT_TEXT_BYTES + 1])
     return (ssize_t)used;
 }
 
-/* O_NONBLOCK: a pipe that somebody put there does not hold us up. */
+/* O_NONBLOCK: a pipe in place of the file must not block. */
 static mrt_result read_file(const char *path, char *bytes, size_t *out_size, char *reason)
 {
     int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
@@ -476,13 +478,13 @@ static mrt_result read_file(const char *path, char *bytes, size_t *out_size, cha
     if (file >= 0)
         close(file);
     if (size < 0) {
-        snprintf(reason, LAYOUT_FILE_REASON, "%s: %s: let it be read, or remove it", path,
+        snprintf(reason, LAYOUT_FILE_REASON, "%s: %s: make the file readable, or remove it", path,
                  strerror(why));
         return MRT_ERR_IO;
     }
     if (size > LAYOUT_TEXT_BYTES) {
-        snprintf(reason, LAYOUT_FILE_REASON, "%s: longer than 4096 bytes: no layout: remove it",
-                 path);
+        snprintf(reason, LAYOUT_FILE_REASON,
+                 "%s: longer than 4096 bytes, so not a layout: remove it", path);
         return MRT_ERR_FORMAT;
     }
     *out_size = (size_t)size;
@@ -501,12 +503,12 @@ mrt_result layout_file_load(layout *out, uint16_t vendor, uint16_t product,
         return result;
     result = layout_text_parse(out, bytes, size, why);
     if (result >= 0 && (out->vendor != vendor || out->product != product)) {
-        snprintf(why, sizeof why, "is of device %04x:%04x", out->vendor, out->product);
+        snprintf(why, sizeof why, "the layout is for device %04x:%04x", out->vendor, out->product);
         result = MRT_ERR_FORMAT;
     }
     if (result < 0)
         snprintf(reason, LAYOUT_FILE_REASON,
-                 "%s: %s: mend it, or remove it and teach the pedal again", path, why);
+                 "%s: %s: correct the file, or remove it and teach the pedal again", path, why);
     return result;
 }
 
@@ -563,12 +565,12 @@ mrt_result layout_file_store(const layout *from, char reason[LAYOUT_FILE_REASON]
     char path[LAYOUT_FILE_PATH], bytes[LAYOUT_TEXT_BYTES];
     if (!layout_file_path(path, from->vendor, from->product)) {
         snprintf(reason, LAYOUT_FILE_REASON,
-                 "the layout has nowhere to go: set HOME or XDG_CONFIG_HOME");
+                 "no folder for the layout: set HOME or XDG_CONFIG_HOME");
         return MRT_ERR_IO;
     }
     size_t size = layout_text_print(bytes, from);
     if (make_folders(path) && write_file(path, bytes, size))
         return MRT_OK;
-    snprintf(reason, LAYOUT_FILE_REASON, "%s cannot be written: %s", path, strerror(errno));
+    snprintf(reason, LAYOUT_FILE_REASON, "cannot write %s: %s", path, strerror(errno));
     return MRT_ERR_IO;
 }

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- contacts that chatter ---- */
+/* ---- debouncing ---- */
 
 void debounce_reset(debounce *self)
 {
@@ -52,7 +52,7 @@ bool debounce_take(debounce *self, const float value[DEBOUNCE_SWITCHES], uint32_
 
 static const int64_t rest_ns = 1000000000;
 static const int64_t patience_ns = 15000000000;
-/* Parts of a number's range, beyond what it does at rest. */
+/* Shares of a number's range, in addition to its movement at rest. */
 static const double down_way = 0.2, up_way = 0.1;
 
 bool learn_is_running(const learn *self)
@@ -66,7 +66,7 @@ static void enter(learn *self, learn_stage stage, int64_t until_ns)
     self->until_ns = until_ns;
 }
 
-/* ---- what is watched ---- */
+/* ---- watched fields ---- */
 
 static void watch(learn *self, const descriptor_field *where)
 {
@@ -82,7 +82,8 @@ static void watch_bits(learn *self, uint8_t report_id, uint32_t first, uint32_t 
                   .report_id = report_id, .bit = (uint16_t)bit, .width = 1, .count = 1, .high = 1});
 }
 
-/* Axes as they are; of all else every bit may be a switch, whatever number they make together. */
+/* Watches axes as they are. In all other fields each bit may be a switch, whatever number they
+ * form. */
 static void watch_fields(learn *self, const descriptor *fields)
 {
     for (uint32_t i = 0; i < fields->field_count; ++i) {
@@ -104,7 +105,7 @@ void learn_start(learn *self, const layout *of, const descriptor *fields, int64_
                            .endpoint = of->endpoint};
     memcpy(self->found.name, of->name, sizeof self->found.name);
     if (fields && fields->field_count > 0) {
-        (void)describe_keys(&self->found, fields); /* found.key_count says whether it has any */
+        (void)describe_keys(&self->found, fields); /* found.key_count is 0 if it has none */
         watch_fields(self, fields);
     } else {
         watch_bits(self, 0, 0, LEARN_REPORT * 8);
@@ -114,7 +115,7 @@ void learn_start(learn *self, const layout *of, const descriptor *fields, int64_
 
 /* ---- one report ---- */
 
-/* Numbers outside of the range that the device promised count as its end. */
+/* Values outside of the range in the descriptor count as its end. */
 static bool value_of(const learn_field *field, const uint8_t *bytes, size_t size, int64_t *out)
 {
     const descriptor_field *where = &field->where;
@@ -143,7 +144,7 @@ static void rest(learn *self, const uint8_t *bytes, size_t size)
     }
 }
 
-/* How far the value is from what it is at rest. */
+/* Returns the distance of the value from its value at rest. */
 static double way_of(const learn_field *field, int64_t value)
 {
     int64_t beyond = 0;
@@ -154,8 +155,8 @@ static double way_of(const learn_field *field, int64_t value)
     return (double)beyond / ((double)field->where.high - (double)field->where.low);
 }
 
-/* The key that is down, 0: none. Codes up to 3 are a keyboard's errors, unless they stand alone:
- * then a person has programmed them. */
+/* Returns the key that is down; 0: none. Codes up to 3 are a keyboard's errors. If they are alone,
+ * the user has programmed them. */
 static uint8_t key_of(const learn *self, const uint8_t *bytes, size_t size)
 {
     layout probe = self->found;
@@ -170,7 +171,7 @@ static uint8_t key_of(const learn *self, const uint8_t *bytes, size_t size)
     return 0;
 }
 
-/* Remembers how far everything has gone; returns the furthest that something is away now. */
+/* Updates the largest distance of each field; returns the largest current distance. */
 static double follow(learn *self, const uint8_t *bytes, size_t size)
 {
     double furthest = 0.0;
@@ -216,7 +217,8 @@ static layout_switch field_switch(const learn_field *field)
                            .down = (int32_t)field->peak};
 }
 
-/* What was pressed: a key says more than the shift key beside it, else what went furthest. */
+/* Returns the pressed switch: a key is preferred to a shift key pressed with it, else the field
+ * that moved furthest. */
 static layout_switch pressed(const learn *self)
 {
     const learn_field *best = &self->field[0];
@@ -228,7 +230,7 @@ static layout_switch pressed(const learn *self)
     return field_switch(best);
 }
 
-/* The two ways of one axis are two switches. */
+/* The two directions of one axis are two switches. */
 static bool is_same(const layout_switch *a, const layout_switch *b)
 {
     if (a->kind != b->kind)
@@ -276,8 +278,8 @@ static bool knows_rest(const learn *self, const uint8_t *bytes, size_t size)
     return true;
 }
 
-/* A device that speaks only when something changes has said nothing while the feet were off: what
- * it says first is a press, and the next different thing is how it is at rest. */
+/* A device that only sends changes sends nothing while no foot is on it. Its first report is a
+ * press, and the next different one is the rest state. */
 static bool is_first_press(learn *self, const uint8_t *bytes, size_t size)
 {
     if (knows_rest(self, bytes, size))

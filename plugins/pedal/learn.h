@@ -1,7 +1,7 @@
-/* pedal/learn.h - finds out which part of a device's reports is which switch, by watching while
- * each switch is pressed once, in order. Leaves out what is said to the person and where the result
- * goes. Works on the numbers that the report descriptor names; without one, on single bits. Pure
- * functions on one struct; no allocation. */
+/* pedal/learn.h - finds the part of a device's reports that is each switch, while the user presses
+ * each switch once, in order. Leaves out the messages to the user and the storage of the result.
+ * Uses the fields of the report descriptor; without one, single bits. Pure functions on one struct;
+ * no allocation. */
 #ifndef PLUGINS_PEDAL_LEARN_H
 #define PLUGINS_PEDAL_LEARN_H
 #include "descriptor.h"
@@ -14,9 +14,9 @@ enum { LEARN_FIELDS = 512, LEARN_REPORT = 64 };
 
 typedef enum learn_stage {
     LEARN_OFF = 0,
-    LEARN_REST, /* the feet are off: what moves now is noise */
-    LEARN_WAIT, /* for the next switch, or the first again when that was all */
-    LEARN_DOWN, /* a switch is down: how far does it go? */
+    LEARN_REST, /* no foot on the device: all movement is noise */
+    LEARN_WAIT, /* waiting for the next switch, or for a learned one to finish */
+    LEARN_DOWN, /* a switch is down: measuring its range */
     LEARN_DONE, /* `found` is complete */
     LEARN_FAILED
 } learn_stage;
@@ -24,9 +24,9 @@ typedef enum learn_stage {
 typedef struct learn_field {
     descriptor_field where;
     bool has_rest;
-    int64_t rest_low, rest_high; /* what it did while nobody touched it */
-    int64_t peak;                /* of this press: the value furthest from rest */
-    double peak_way;             /* how far that was, in parts of its range */
+    int64_t rest_low, rest_high; /* range while no foot was on it */
+    int64_t peak;                /* value furthest from rest in this press */
+    double peak_way;             /* its distance from rest, as a share of the range */
 } learn_field;
 
 typedef struct learn {
@@ -35,20 +35,20 @@ typedef struct learn {
     learn_field field[LEARN_FIELDS];
     uint8_t key; /* of this press, 0: none */
     uint8_t first_report[LEARN_REPORT];
-    size_t first_size; /* 0: none is kept */
-    int64_t until_ns;  /* when this stage has waited enough */
+    size_t first_size; /* 0: none */
+    int64_t until_ns;  /* end of this stage */
     layout found;
 } learn;
 
-/* `of` names the device, its interface and endpoint. `fields` may be NULL. */
+/* Starts learning. `of`: the device, its interface and endpoint. `fields` may be NULL. */
 void learn_start(learn *self, const layout *of, const descriptor *fields, int64_t now_ns);
-/* Both return true when the stage or the number of switches found has changed. */
+/* Both return true if the stage or the number of switches found changed. */
 bool learn_report(learn *self, const uint8_t *bytes, size_t size, int64_t time_ns);
-bool learn_tick(learn *self, int64_t now_ns); /* call it at until_ns at the latest */
-/* True between learn_start and LEARN_DONE or LEARN_FAILED. */
+bool learn_tick(learn *self, int64_t now_ns); /* call at until_ns at the latest */
+/* Returns true between learn_start and LEARN_DONE or LEARN_FAILED. */
 bool learn_is_running(const learn *self);
 
-/* ---- contacts that chatter become one edge ---- */
+/* ---- debouncing ---- */
 
 enum { DEBOUNCE_SWITCHES = 4 };
 typedef struct debounce {
@@ -56,15 +56,15 @@ typedef struct debounce {
     int64_t quiet_until_ns[DEBOUNCE_SWITCHES]; /* end of the window after the last edge */
 } debounce;
 
-/* All up, and no edge lately. */
+/* Resets to all up, without a recent edge. */
 void debounce_reset(debounce *self);
-/* When held back changes are due; INT64_MAX: there are none. */
+/* Returns the time at which held-back changes are due; INT64_MAX: none. */
 int64_t debounce_due_ns(const debounce *self);
-/* Shows what is due at time_ns; true: something changed. Call it before debounce_take of a later
- * time, with what debounce_due_ns says. */
+/* Applies the changes due at time_ns. Returns true if something changed. Call it, at the time from
+ * debounce_due_ns, before debounce_take of a later time. */
 bool debounce_settle(debounce *self, int64_t time_ns, int64_t window_ns);
-/* Takes what the switches are at time_ns; bit n of `analogue`: switch n is passed on as it is.
- * True: `shown` changed. */
+/* Processes the switch values at time_ns. Bit n of `analogue`: switch n is not debounced. Returns
+ * true if `shown` changed. */
 bool debounce_take(debounce *self, const float value[DEBOUNCE_SWITCHES], uint32_t analogue,
                    int64_t time_ns, int64_t window_ns);
 

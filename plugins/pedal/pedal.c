@@ -1,4 +1,4 @@
-/* The plugin: opening, listing, teaching and reading a foot pedal. */
+/* The plugin "org.marotte.pedal": opens, lists, learns and reads foot pedals. */
 #include "address.h"
 #include "descriptor.h"
 #include "device_io.h"
@@ -27,15 +27,15 @@ enum { PEDAL_ADDRESS = 192, PEDAL_TEXT = 512 };
 
 struct mrt_plugin {
     const mrt_host *host;
-    usb *usb; /* NULL until first needed */
+    usb *usb; /* NULL until first used */
     trace trace;
 
-    char address[PEDAL_ADDRESS]; /* as opened, "" too */
-    address_binding binding;     /* the device that this address has meant */
-    usb_device device;           /* that is open, or was last */
+    char address[PEDAL_ADDRESS]; /* as passed to open, also "" */
+    address_binding binding;     /* device that this address was bound to */
+    usb_device device;           /* the open device, or the last one */
     char name[LAYOUT_NAME];
 
-    bool is_open, has_lesson_due; /* the button was pressed in the call of open */
+    bool is_open, has_lesson_due; /* the button was pressed when opening */
     double opened_with[PARAM_COUNT];
     layout layout;
     uint32_t analogue; /* bit n: switch n */
@@ -44,9 +44,9 @@ struct mrt_plugin {
     mrt_channel channels[LAYOUT_SWITCHES];
     char channel_names[LAYOUT_SWITCHES][LAYOUT_SWITCH_NAME];
 
-    float value[LAYOUT_SWITCHES]; /* as reported last */
+    float value[LAYOUT_SWITCHES]; /* last reported state */
     debounce debounce;
-    usb_report report; /* that waits for what is due before it */
+    usb_report report; /* report that waits for earlier changes */
     bool has_report;
     bool is_lost, has_released, has_told_loss, has_asked_to_restart;
     int64_t last_time_ns, repeat_due_ns;
@@ -55,19 +55,19 @@ struct mrt_plugin {
     learn learn;
 };
 
-/* ---- from an address to a pedal that reports ---- */
+/* ---- opening ---- */
 
 enum { TRIES = 10 };
 static const int64_t try_again_ns = 100000000;
 
-/* How an attempt ended, and what to say about it. */
+/* Result of an attempt, with its message. */
 typedef struct attempt {
     mrt_result result;
-    bool may_pass; /* a device that has just come: its rights or its driver may follow */
+    bool may_pass; /* a new device: its permissions or driver may still be set */
     char text[PEDAL_TEXT];
 } attempt;
 
-/* ---- what is known of a device ---- */
+/* ---- layout of a device ---- */
 
 static layout known_layout(const usb_device *device, char *complaint)
 {
@@ -111,7 +111,7 @@ static void name_device(mrt_plugin *self)
     memcpy(self->name, self->layout.name, sizeof self->name);
 }
 
-/* The kernel has read it already, unless another program had the device before us. */
+/* Uses the kernel's copy of the descriptor, unless another program used the device before. */
 static void read_fields(mrt_plugin *self, uint8_t *bytes, size_t size)
 {
     char reason[DESCRIPTOR_REASON];
@@ -145,7 +145,7 @@ static void find_analogue(mrt_plugin *self)
             self->analogue |= 1u << i;
 }
 
-/* The layout with its switches, if anything says which they are. */
+/* Completes the layout with switches, if a source is available. */
 static void complete_layout(mrt_plugin *self, const usb_endpoint *endpoint, const double *params)
 {
     layout *of = &self->layout;
@@ -161,7 +161,7 @@ static void complete_layout(mrt_plugin *self, const usb_endpoint *endpoint, cons
 
 /* ---- channels ---- */
 
-/* 0..3, or MRT_MAX_PEDALS: none. */
+/* Returns 0..3; MRT_MAX_PEDALS: none. */
 static uint32_t pedal_of(uint32_t index, const double *params)
 {
     double wanted = params[PARAM_SWITCH + index];
@@ -173,7 +173,7 @@ static void make_channels(mrt_plugin *self, const double *params)
 {
     bool taken[MRT_MAX_PEDALS + 1] = {false};
     uint32_t count = self->layout.switch_count;
-    self->channel_count = count > 0 ? count : 1; /* one that says nothing until it is taught */
+    self->channel_count = count > 0 ? count : 1; /* a pedal without switches until it is learned */
     for (uint32_t i = 0; i < self->channel_count; ++i) {
         uint32_t pedal = i < count ? pedal_of(i, params) : MRT_MAX_PEDALS;
         bool is_pedal = pedal < MRT_MAX_PEDALS && !taken[pedal];
@@ -188,13 +188,13 @@ static void make_channels(mrt_plugin *self, const double *params)
                                           1.0f};
         if (i < count && !is_pedal)
             device_say(self->host, MRT_LOG_WARNING,
-                       "switch %u (%s) of %.60s is no pedal: its number is above 4 or taken: set "
-                       "switch_%u",
+                       "switch %u (%s) of %.60s has no pedal: the number is above 4 or already "
+                       "used. Set switch_%u",
                        i + 1, self->channel_names[i], self->name, i + 1);
     }
 }
 
-/* ---- one device ---- */
+/* ---- opening one device ---- */
 
 static void explain(mrt_plugin *self, usb_failure failure, attempt *out)
 {
@@ -207,13 +207,13 @@ static void explain(mrt_plugin *self, usb_failure failure, attempt *out)
         advice_busy(advice, &self->device);
         break;
     case USB_GONE:
-        snprintf(advice, sizeof advice, "went away while it was opened: plug it in again");
+        snprintf(advice, sizeof advice, "disconnected while opening: plug it in again");
         break;
     case USB_NO_MEMORY:
         snprintf(advice, sizeof advice, "no memory");
         break;
     default:
-        snprintf(advice, sizeof advice, "cannot be opened (%s): plug it into another socket",
+        snprintf(advice, sizeof advice, "cannot open it (%s): use another USB port",
                  usb_failure_text(self->usb));
     }
     out->result = failure == USB_NO_MEMORY ? MRT_ERR_MEMORY : MRT_ERR_IO;
@@ -229,7 +229,7 @@ static void forget_the_past(mrt_plugin *self)
     self->has_report = self->is_lost = self->has_released = self->has_told_loss = false;
     self->has_asked_to_restart = false;
     self->learn.stage = LEARN_OFF;
-    self->repeat_due_ns = INT64_MIN; /* the first sample is due at once */
+    self->repeat_due_ns = INT64_MIN; /* the first sample is due immediately */
 }
 
 static void open_device(mrt_plugin *self, const usb_device *device, const layout *known,
@@ -259,7 +259,7 @@ static void open_device(mrt_plugin *self, const usb_device *device, const layout
     out->result = MRT_OK;
 }
 
-static void say_opened(const mrt_plugin *self)
+static void report_opened(const mrt_plugin *self)
 {
     char advice[ADVICE_TEXT];
     if (self->layout.switch_count > 0) {
@@ -272,27 +272,26 @@ static void say_opened(const mrt_plugin *self)
                advice);
 }
 
-/* ---- the device that is meant ---- */
+/* ---- finding the device ---- */
 
 static void explain_absence(const mrt_plugin *self, const address *wanted, attempt *out)
 {
-    const char *again = "plug it in, or see what there is with: marotte devices";
+    const char *again = "plug it in, or list the devices with: marotte devices";
     out->result = MRT_ERR_IO;
     out->may_pass = false;
     if (self->binding.is_bound)
         snprintf(out->text, sizeof out->text,
-                 "the pedal %04x:%04x is not in its socket usb:%s: plug it in there again",
+                 "the pedal %04x:%04x is not connected to usb:%s: plug it in there again",
                  self->binding.vendor, self->binding.product, self->binding.path);
     else if (wanted->kind == ADDRESS_PORT)
-        snprintf(out->text, sizeof out->text, "no device is in socket usb:%s: %s", wanted->path,
-                 again);
+        snprintf(out->text, sizeof out->text, "no device found at usb:%s: %s", wanted->path, again);
     else if (wanted->kind == ADDRESS_KIND)
-        snprintf(out->text, sizeof out->text, "no device usb:%04x:%04x is plugged in: %s",
-                 wanted->vendor, wanted->product, again);
+        snprintf(out->text, sizeof out->text, "no device usb:%04x:%04x found: %s", wanted->vendor,
+                 wanted->product, again);
     else
         snprintf(out->text, sizeof out->text,
-                 "no pedal that is known is plugged in: plug one in, or name another device by "
-                 "usb:VENDOR:PRODUCT as lsusb shows it");
+                 "no known pedal found: plug one in, or name another device by usb:VENDOR:PRODUCT "
+                 "as lsusb shows it");
 }
 
 static void try_to_open(mrt_plugin *self, const address *wanted, const double *params, attempt *out)
@@ -306,7 +305,7 @@ static void try_to_open(mrt_plugin *self, const address *wanted, const double *p
         layout known = known_layout(&found[i], complaint);
         if (!address_matches(wanted, &self->binding, found[i].path, found[i].vendor,
                              found[i].product, known.source != LAYOUT_OF_NOTHING)) {
-            /* what was taught, and cannot be read any more, may be what is looked for */
+            /* an unreadable layout may be of the wanted device */
             if (complaint[0] && wanted->kind == ADDRESS_ANY && !was_found)
                 snprintf(out->text, sizeof out->text, "%.*s", PEDAL_TEXT - 1, complaint);
             continue;
@@ -323,7 +322,7 @@ static void try_to_open(mrt_plugin *self, const address *wanted, const double *p
     }
 }
 
-/* False: the host is stopping. */
+/* Waits a moment. Returns false if the host is stopping. */
 static bool wait_a_little(const mrt_plugin *self)
 {
     int64_t until_ns = self->host->now_ns(self->host) + try_again_ns;
@@ -344,14 +343,14 @@ static void bind_to_socket(mrt_plugin *self)
     memcpy(self->binding.path, self->device.path, sizeof self->binding.path);
 }
 
-/* False: no memory, or no USB; said. */
+/* Returns false, after logging, if out of memory or without USB. */
 static bool has_usb(mrt_plugin *self)
 {
     if (!self->usb)
         self->usb = usb_create(self->host);
     if (!self->usb)
         device_say(self->host, MRT_LOG_ERROR,
-                   "USB cannot be used: is /dev/bus/usb there, and is there memory?");
+                   "cannot use USB: check that /dev/bus/usb exists and memory is available");
     return self->usb != NULL;
 }
 
@@ -369,8 +368,8 @@ static mrt_result pedal_open(mrt_plugin *self, const char *text, const double *p
     pedal_close(self);
     if (!address_parse(&wanted, text)) {
         device_say(self->host, MRT_LOG_ERROR,
-                   "\"%.60s\" is no address of a pedal: write usb:1-2.3 (a socket), usb:05f3:00ff "
-                   "(a kind), or nothing for the first pedal",
+                   "\"%.60s\" is not the address of a pedal: write usb:1-2.3 (a USB port), "
+                   "usb:05f3:00ff (vendor and product), or nothing for the first pedal",
                    text);
         return MRT_ERR_ARGUMENT;
     }
@@ -394,14 +393,14 @@ static mrt_result pedal_open(mrt_plugin *self, const char *text, const double *p
     memcpy(self->opened_with, params, sizeof self->opened_with);
     self->is_open = true;
     self->has_lesson_due = params[PARAM_LEARN] > 0.5;
-    say_opened(self);
+    report_opened(self);
     return MRT_OK;
 }
 
-/* ---- which pedals are plugged in ---- */
+/* ---- list of pedals ---- */
 
-/* Something with buttons or axes that the kernel's driver has read, and neither keyboard nor mouse:
- * nobody wants those listed as pedals. */
+/* Returns true for a device with buttons or axes, except keyboards and mice: users do not want
+ * those listed as pedals. */
 static bool may_be_pedal(const usb_device *device)
 {
     uint8_t bytes[DESCRIPTOR_BYTES];
@@ -489,21 +488,21 @@ static bool pedal_current(mrt_plugin *self, mrt_device *out)
     return true;
 }
 
-/* ---- learn mode as the person meets it ---- */
+/* ---- learning, messages to the user ---- */
 
 static void ask(const mrt_plugin *self)
 {
     uint32_t found = self->learn.found.switch_count;
     if (found == 0)
-        device_say(self->host, MRT_LOG_INFO, "learn: press switch 1 and let it go");
+        device_say(self->host, MRT_LOG_INFO, "learn: press and release switch 1");
     else
         device_say(self->host, MRT_LOG_INFO,
-                   "learn: switch %u is known: press switch %u and let it go, or an earlier one "
-                   "again if that was all",
+                   "learn: switch %u is learned: press and release switch %u, or an earlier one "
+                   "again to finish",
                    found, found + 1);
 }
 
-/* Channels stay what they were until the input is opened again. */
+/* The channels do not change until the input is opened again. */
 static void adopt(mrt_plugin *self)
 {
     if (self->layout.switch_count != self->learn.found.switch_count) {
@@ -524,7 +523,7 @@ static void finish(mrt_plugin *self)
         return;
     }
     (void)layout_file_path(path, found->vendor, found->product);
-    device_say(self->host, MRT_LOG_INFO, "learn: done: %u switches of %.60s are in %s",
+    device_say(self->host, MRT_LOG_INFO, "learn: done: %u switches of %.60s are stored in %s",
                found->switch_count, found->name, path);
     adopt(self);
 }
@@ -540,7 +539,7 @@ static void say_progress(mrt_plugin *self)
         break;
     case LEARN_FAILED:
         device_say(self->host, MRT_LOG_WARNING,
-                   "learn: given up: no switch was pressed and let go within 15 s: begin again");
+                   "learn: given up: no switch was pressed and released within 15 s: start again");
         break;
     default:
         break;
@@ -558,12 +557,13 @@ static void give_up_learning(mrt_plugin *self)
     if (!learn_is_running(&self->learn))
         return;
     self->learn.stage = LEARN_FAILED;
-    device_say(self->host, MRT_LOG_WARNING, "learn: given up: the device went away: begin again");
+    device_say(self->host, MRT_LOG_WARNING,
+               "learn: given up: the device was disconnected: start again");
 }
 
 /* ---- the plugin ---- */
 
-/* What has not changed is said again so often that silence means trouble. */
+/* An unchanged state is repeated at this interval, so that silence shows a fault. */
 static const int64_t repeat_ns = 1000000000;
 
 static const mrt_channel *pedal_channels(mrt_plugin *self, uint32_t *out_count)
@@ -588,7 +588,7 @@ static mrt_result give(mrt_plugin *self, int64_t time_ns, mrt_sample *out)
     return MRT_OK;
 }
 
-/* First the release of whatever was held; then the news. */
+/* Returns the release of all switches first, then the error. */
 static mrt_result give_loss(mrt_plugin *self, mrt_sample *out)
 {
     if (!self->has_released) {
@@ -601,8 +601,9 @@ static mrt_result give_loss(mrt_plugin *self, mrt_sample *out)
     if (!self->has_told_loss) {
         self->has_told_loss = true;
         trace_note(&self->trace, self->host->now_ns(self->host), "gone");
-        device_say(self->host, MRT_LOG_ERROR, "%.60s at usb:%s went away (%s): plug it in again",
-                   self->name, self->device.path, usb_failure_text(self->usb));
+        device_say(self->host, MRT_LOG_ERROR,
+                   "%.60s at usb:%s was disconnected (%s): plug it in again", self->name,
+                   self->device.path, usb_failure_text(self->usb));
     }
     return MRT_ERR_IO;
 }
@@ -614,7 +615,7 @@ static int64_t window_ns(const double *params)
     return (int64_t)((ms < 15.0 ? ms : 15.0) * 1e6);
 }
 
-/* True: something changed. While switches are taught, they do nothing else. */
+/* Returns true if something changed. While switches are learned, they have no other effect. */
 static bool take_report(mrt_plugin *self, const double *params)
 {
     const usb_report *report = &self->report;
@@ -630,7 +631,7 @@ static bool take_report(mrt_plugin *self, const double *params)
                          window_ns(params));
 }
 
-/* Gives what was held back until a time that has come; true: a sample was written. */
+/* Applies held-back changes that are due. Returns true if a sample was written. */
 static bool give_settled(mrt_plugin *self, const double *params, int64_t time_ns, mrt_sample *out)
 {
     int64_t due_ns = debounce_due_ns(&self->debounce);
@@ -640,14 +641,15 @@ static bool give_settled(mrt_plugin *self, const double *params, int64_t time_ns
     return true;
 }
 
-/* When there is something to do even if the device stays silent. */
+/* Returns the time of the next action if the device stays silent. */
 static int64_t next_due_ns(const mrt_plugin *self)
 {
     int64_t due = device_sooner_ns(debounce_due_ns(&self->debounce), self->repeat_due_ns);
     return learn_is_running(&self->learn) ? device_sooner_ns(due, self->learn.until_ns) : due;
 }
 
-/* The report that has come; MRT_TIMEOUT: it changes nothing. What was due before goes first. */
+/* Processes the waiting report, after changes that were due before it. Returns MRT_TIMEOUT if it
+ * changes nothing. */
 static mrt_result read_report(mrt_plugin *self, const double *params, mrt_sample *out)
 {
     int64_t time_ns = self->report.time_ns;
@@ -658,7 +660,7 @@ static mrt_result read_report(mrt_plugin *self, const double *params, mrt_sample
     return changed || self->repeat_due_ns <= time_ns ? give(self, time_ns, out) : MRT_TIMEOUT;
 }
 
-/* No report has come until now. */
+/* Handles the time without a report. */
 static mrt_result read_silence(mrt_plugin *self, const double *params, mrt_sample *out)
 {
     int64_t now_ns = self->host->now_ns(self->host);
@@ -670,7 +672,7 @@ static mrt_result read_silence(mrt_plugin *self, const double *params, mrt_sampl
 
 /* ---- parameters ---- */
 
-/* All switches count as up while they are taught. */
+/* All switches count as up while they are learned. */
 static void begin_learning(mrt_plugin *self)
 {
     int64_t now_ns = self->host->now_ns(self->host);
@@ -685,7 +687,7 @@ static void begin_learning(mrt_plugin *self)
     self->repeat_due_ns = now_ns;
 }
 
-/* Which pedal a switch is holds until the input is opened again. */
+/* The assignment of pedals does not change until the input is opened again. */
 static void follow_params(mrt_plugin *self, const double *params)
 {
     bool is_same = true;
@@ -756,28 +758,27 @@ static const char *const invert_label[] = {"no", "yes", NULL};
 #define SWITCH(number, text)                                                                       \
     {                                                                                              \
         1 + (number), MRT_PARAM_STEPPED, "switch " text, "Pedal", "",                              \
-            "Which pedal the device's switch " text " is, if not the next in order", 0,            \
+            "Pedal number of the device's switch " text ", if not the next in order", 0,           \
             MRT_MAX_PEDALS, 0, switch_label                                                        \
     }
 
 static const mrt_param params_table[PARAM_COUNT] = {
-    [PARAM_FIRST] = {1, MRT_PARAM_STEPPED, "first", "Pedal", "",
-                     "Which pedal the first switch is: 4 for a second device beside one of three",
-                     1, MRT_MAX_PEDALS, 1, NULL},
+    [PARAM_FIRST] =
+        {1, MRT_PARAM_STEPPED, "first", "Pedal", "",
+         "Pedal number of the first switch: 4 for a second device next to one with three switches",
+         1, MRT_MAX_PEDALS, 1, NULL},
     [PARAM_SWITCH] = SWITCH(1, "1"),
     [PARAM_SWITCH + 1] = SWITCH(2, "2"),
     [PARAM_SWITCH + 2] = SWITCH(3, "3"),
     [PARAM_SWITCH + 3] = SWITCH(4, "4"),
     [PARAM_INVERT] = {6, MRT_PARAM_STEPPED, "invert", "Pedal", "",
-                      "Whether axes are down where the device says they are up", 0, 1, 0,
+                      "Invert the axes, for a device that reports up as down", 0, 1, 0,
                       invert_label},
     [PARAM_DEBOUNCE] = {7, 0, "debounce", "Pedal", "ms",
-                        "How long a switch that has just moved may chatter; the first edge is "
-                        "never delayed",
-                        5, 15, 8, NULL},
+                        "Debounce time after a switch moves; the first edge is never delayed", 5,
+                        15, 8, NULL},
     [PARAM_LEARN] = {8, MRT_PARAM_TRIGGER, "learn", "Pedal", "",
-                     "Learns the switches of a device: press each once, as it is said", 0, 1, 0,
-                     NULL},
+                     "Learn the switches of a device: press each one when asked", 0, 1, 0, NULL},
 };
 
 static const mrt_input input = {pedal_open, pedal_channels, pedal_read, pedal_close, 0};
@@ -794,7 +795,8 @@ static const mrt_plugin_type type = {
     "org.marotte.pedal",
     "Pedal",
     MAROTTE_VERSION,
-    "Reads foot pedals on USB; address usb:1-2 (a socket), usb:05f3:00ff (a kind) or none",
+    "Reads USB foot pedals; address usb:1-2 (a USB port), usb:05f3:00ff (vendor and product) or "
+    "none",
     pedal_create,
     pedal_destroy,
 };

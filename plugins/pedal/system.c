@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* ---- what the system knows ---- */
+/* ---- information from the system ---- */
 
 enum { FILE_PATH = 400, FOLDER_CAP = 4096, NODE = 32, HOLDER = 64 };
 static const char devices_folder[] = "/sys/bus/usb/devices";
@@ -24,7 +24,7 @@ void system_product(char out[SYSTEM_NAME], const char *path)
     device_read_line(file, out, SYSTEM_NAME);
 }
 
-/* The folder of an interface in the configuration that is active: ".../1-2:1.0". */
+/* Returns the folder of an interface in the active configuration: ".../1-2:1.0". */
 static void interface_folder(char out[FILE_PATH], const char *path, uint8_t interface_number)
 {
     char file[FILE_PATH], configuration[8];
@@ -35,7 +35,7 @@ static void interface_folder(char out[FILE_PATH], const char *path, uint8_t inte
 
 /* ---- drivers ---- */
 
-/* The HID driver's folder below the interface's is "0003:VENDOR:PRODUCT.NUMBER". */
+/* The HID driver's folder is below the interface's: "0003:VENDOR:PRODUCT.NUMBER". */
 size_t system_descriptor(const char *path, uint8_t interface_number, uint8_t *out, size_t capacity)
 {
     char folder[FILE_PATH], file[FILE_PATH + 300];
@@ -110,7 +110,8 @@ static void name_process(char out[HOLDER], const char *process)
     snprintf(out, HOLDER, "%s (process %.20s)", name[0] ? name : "a program", process);
 }
 
-/* Which program has the node open: "mplayer (process 1234)"; false: none that this user may see. */
+/* Finds the program that has the node open: "mplayer (process 1234)". Returns false if this user
+ * cannot see one. */
 static bool find_holder(char out[HOLDER], const usb_device *device)
 {
     char node[NODE];
@@ -142,14 +143,14 @@ void advice_denied(char out[ADVICE_TEXT], const usb_device *device)
     find_node(node, device);
     if (layouts_find(device->vendor, device->product))
         snprintf(out, ADVICE_TEXT,
-                 "you may not use %s: sudo cp plugins/pedal/70-marotte.rules /etc/udev/rules.d/ "
-                 "&& " RELOAD,
+                 "you have no permission to use %s: run sudo cp plugins/pedal/70-marotte.rules "
+                 "/etc/udev/rules.d/ && " RELOAD,
                  node);
     else
         snprintf(out, ADVICE_TEXT,
-                 "you may not use %s: add SUBSYSTEM==\"usb\", ATTRS{idVendor}==\"%04x\", "
-                 "ATTRS{idProduct}==\"%04x\", TAG+=\"uaccess\" as a line to "
-                 "/etc/udev/rules.d/70-marotte.rules, then " RELOAD,
+                 "you have no permission to use %s: add SUBSYSTEM==\"usb\", "
+                 "ATTRS{idVendor}==\"%04x\", ATTRS{idProduct}==\"%04x\", TAG+=\"uaccess\" as a "
+                 "line to /etc/udev/rules.d/70-marotte.rules, then " RELOAD,
                  node, device->vendor, device->product);
 }
 
@@ -157,11 +158,11 @@ void advice_busy(char out[ADVICE_TEXT], const usb_device *device)
 {
     char holder[HOLDER];
     if (find_holder(holder, device))
-        snprintf(out, ADVICE_TEXT, "in use by %s: end that program, or its use of the pedal",
+        snprintf(out, ADVICE_TEXT, "in use by %s: close that program, or stop its use of the pedal",
                  holder);
     else
         snprintf(out, ADVICE_TEXT,
-                 "in use by another user's program: end it (sudo fuser -v /dev/bus/usb/%03u/%03u "
+                 "in use by another user's program: close it (sudo fuser -v /dev/bus/usb/%03u/%03u "
                  "names it)",
                  device->bus, device->number);
 }
@@ -169,15 +170,15 @@ void advice_busy(char out[ADVICE_TEXT], const usb_device *device)
 void advice_unknown(char out[ADVICE_TEXT], const usb_device *device)
 {
     snprintf(out, ADVICE_TEXT,
-             "not a pedal that is known: if it is one, teach its switches with "
-             "marotte devices --learn pedal:usb:%s",
+             "not a known pedal: if it is a pedal, teach its switches with marotte devices --learn "
+             "pedal:usb:%s",
              device->path);
 }
 
 void advice_no_endpoint(char out[ADVICE_TEXT], const usb_device *device)
 {
     snprintf(out, ADVICE_TEXT,
-             "usb:%04x:%04x has no HID interface that reports: it is no pedal, or it is damaged: "
-             "name another device",
+             "usb:%04x:%04x has no HID interface with reports: it is not a pedal, or it is "
+             "damaged. Name another device",
              device->vendor, device->product);
 }

@@ -1,23 +1,25 @@
-/* pedal/system.h - what Linux knows about a USB device without anybody opening it: its name, the
- * report descriptor that the kernel has read, who may use it, who does. Leaves out everything that
- * needs the device's answer (usb.h). [main] [input]: reads small files of /sys and /proc. */
+/* pedal/system.h - information that Linux has about a USB device without opening it: its name, the
+ * report descriptor read by the kernel, permissions, and the program that uses it. Leaves out
+ * everything that needs an answer of the device (usb.h). [main] [input]: reads small files of /sys
+ * and /proc. */
 #ifndef PLUGINS_PEDAL_SYSTEM_H
 #define PLUGINS_PEDAL_SYSTEM_H
 #include "usb.h"
 
 enum { SYSTEM_NAME = 64 };
 
-/* The name that the maker gave it; "" when it has none. */
+/* Reads the product name; "" if it has none. */
 void system_product(char out[SYSTEM_NAME], const char *path);
-/* Of one interface; 0: the kernel's HID driver does not have it. */
+/* Reads the report descriptor of one interface. Returns 0 if the kernel's HID driver does not use
+ * it. */
 size_t system_descriptor(const char *path, uint8_t interface_number, uint8_t *out, size_t capacity);
 
-/* Whether this user may read and write the node. */
+/* Returns true if this user may read and write the node. */
 bool system_may_open(const usb_device *device);
-/* Whether some program, and not a driver of the kernel, has claimed the interface. */
+/* Returns true if a program, not a kernel driver, has claimed the interface. */
 bool system_is_claimed(const char *path, uint8_t interface_number);
 
-/* ---- what the person can do about a device that cannot be used, in one sentence ---- */
+/* ---- advice for a device that cannot be used, in one line ---- */
 
 enum { ADVICE_TEXT = 384 };
 

@@ -12,11 +12,12 @@ enum { HID_REPORT_DESCRIPTOR = 0x22 };
 static const int64_t lately_ns = 1500000000;
 static const int64_t close_patience_ns = 2000000000;
 
-/* A device of the last look; another number in the same socket is another device. */
+/* A device found in the last search. Another device number at the same USB port is another
+ * device. */
 typedef struct present_device {
     char path[ADDRESS_PATH];
     uint8_t number;
-    int64_t since_ns; /* INT64_MIN: it was there before us */
+    int64_t since_ns; /* INT64_MIN: present before the first search */
 } present_device;
 
 struct usb {
@@ -34,9 +35,9 @@ struct usb {
     bool is_claimed, took_driver;
     struct libusb_transfer *transfer;
     uint8_t buffer[USB_REPORT];
-    bool is_flying; /* the transfer is libusb's until its callback */
+    bool is_flying; /* libusb owns the transfer until its callback */
     bool is_lost, is_closing;
-    int woken; /* for libusb_handle_events: something is to be looked at */
+    int woken; /* for libusb_handle_events: an event needs attention */
 
     usb_report queue[QUEUE];
     uint32_t queue_first, queue_count;
@@ -72,7 +73,7 @@ const char *usb_failure_text(const usb *self)
 
 /* ---- sockets ---- */
 
-/* False: a root hub, which is in no socket. */
+/* Returns false for a root hub, which has no USB port. */
 static bool path_of(libusb_device *device, char out[ADDRESS_PATH])
 {
     uint8_t port[7];
@@ -86,7 +87,8 @@ static bool path_of(libusb_device *device, char out[ADDRESS_PATH])
     return true;
 }
 
-/* Departures are told late, perhaps when the same socket is open again: the very device counts. */
+/* Disconnections are reported late, perhaps when another device at the same port is already open.
+ * So only the same libusb device counts. */
 static int LIBUSB_CALL on_departure(libusb_context *context, libusb_device *device,
                                     libusb_hotplug_event event, void *data)
 {
@@ -132,7 +134,7 @@ void usb_destroy(usb *self)
     free(self);
 }
 
-/* Lets libusb work until something is to be looked at or the time is over. False: it cannot. */
+/* Runs libusb until an event or the end of the time. Returns false on failure. */
 static bool pump(usb *self, int64_t span_ns)
 {
     struct timeval span = {.tv_sec = (time_t)(span_ns / 1000000000),
@@ -171,7 +173,7 @@ static void see_endpoint(usb_device *out, const struct libusb_interface_descript
                        .packet_bytes = packet_of(endpoint)};
 }
 
-/* Of each interface the setting that it has without being asked: the first. */
+/* Uses the first alternate setting of each interface, the default one. */
 static void see_endpoints(usb_device *out, libusb_device *device)
 {
     struct libusb_config_descriptor *config = NULL;
@@ -202,7 +204,7 @@ static bool see(usb_device *out, libusb_device *device)
     return true;
 }
 
-/* Keeps the first `capacity` of the order. */
+/* Keeps the first `capacity` devices of the order. */
 static void insert(usb_device *out, uint32_t capacity, uint32_t count, const usb_device *device)
 {
     uint32_t at = count < capacity ? count : capacity;
@@ -254,7 +256,7 @@ uint32_t usb_look(usb *self, usb_device *out, uint32_t capacity)
 {
     libusb_device **list = NULL;
     uint32_t count = 0;
-    (void)pump(self, 0); /* departures that wait to be told */
+    (void)pump(self, 0); /* process pending disconnections */
     ssize_t listed = libusb_get_device_list(self->context, &list);
     for (ssize_t i = 0; i < listed; ++i) {
         usb_device device;
@@ -279,7 +281,7 @@ static void submit(usb *self)
     self->is_lost = true;
 }
 
-/* A zero-length transfer is how a report ends that fills a packet: no report. */
+/* A zero-length transfer ends a report that fills a packet: not a report. */
 static void keep_report(usb *self, const struct libusb_transfer *transfer)
 {
     if (transfer->actual_length <= 0 || transfer->actual_length > transfer->length)
@@ -292,7 +294,7 @@ static void keep_report(usb *self, const struct libusb_transfer *transfer)
     self->woken = 1;
 }
 
-/* When the queue is full the device has to wait: usb_wait goes on. */
+/* While the queue is full, submits no new transfer, so the device waits. usb_wait continues. */
 static void LIBUSB_CALL on_transfer(struct libusb_transfer *transfer)
 {
     usb *self = transfer->user_data;
@@ -346,7 +348,7 @@ static int listen(usb *self, const usb_endpoint *endpoint)
     return self->is_lost ? self->last_error : LIBUSB_SUCCESS;
 }
 
-/* The device that was seen, if it is there still. */
+/* Opens the same device, if it is still present. */
 static int open_device(usb *self, const usb_device *device)
 {
     libusb_device **list = NULL;
@@ -383,15 +385,15 @@ usb_failure usb_open(usb *self, const usb_device *device, const usb_endpoint *en
     return failure_of(self, result);
 }
 
-/* Freeing a transfer that is still libusb's would end the program, so one whose callback never
- * comes is left to leak. */
+/* Freeing a transfer that libusb still owns would end the program. So a transfer whose callback
+ * never comes is leaked. */
 static void stop_listening(usb *self)
 {
     if (!self->transfer)
         return;
     int64_t until_ns = self->host->now_ns(self->host) + close_patience_ns;
     if (self->is_flying)
-        (void)libusb_cancel_transfer(self->transfer); /* it may be on its way back already */
+        (void)libusb_cancel_transfer(self->transfer); /* its callback may be pending already */
     while (self->is_flying) {
         int64_t left_ns = until_ns - self->host->now_ns(self->host);
         self->woken = 0;

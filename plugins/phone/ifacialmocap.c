@@ -1,7 +1,8 @@
-/* ifacialmocap.c - the plugin "org.marotte.ifacialmocap": the face as the app iFacialMocap sends
- * it. Listens as the phone does; who says the app's greeting gets text at 60 Hz, of the version
- * that it asks for: "mouthSmile_L-25|...|=head#pitch,yaw,roll,x,y,z|rightEye#...|leftEye#...|" in
- * per cent and degrees, with '&' for '-' in version 2. */
+/* ifacialmocap.c - the plugin "org.marotte.ifacialmocap": the face in the format of the app
+ * iFacialMocap. Listens like the phone. A program that sends the app's greeting gets text at 60 Hz,
+ * in the requested version:
+ * "mouthSmile_L-25|...|=head#pitch,yaw,roll,x,y,z|rightEye#...|leftEye#...|" in per cent and
+ * degrees, with '&' for '-' in version 2. */
 #include "device_io.h"
 #include "receivers.h"
 #include "trace.h"
@@ -13,7 +14,7 @@
 #include <string.h>
 
 enum { PORT = 49983, CHANNELS = 61, SHAPES = 52, TEXT_BYTES = 4096 };
-/* In one look: datagrams, and those of them that are of unknown senders. */
+/* Limits per call: datagrams, and datagrams from unknown senders. */
 enum { DATAGRAMS_A_LOOK = 32, STRANGERS_A_LOOK = 4 };
 enum { HEAD = 52, LEFT_EYE = 55, RIGHT_EYE = 58 };
 enum { RATE, VERSION, PARAM_COUNT };
@@ -66,7 +67,7 @@ static const char *any_of(const udp_peer *to)
     return text[0] == '[' ? "::" : "0.0.0.0";
 }
 
-/* "to:HOST:PORT": sent there without a greeting; else where it listens. */
+/* "to:HOST:PORT": send there without a greeting; else the address to listen on. */
 static mrt_result open(mrt_plugin *self, const char *address, const double *params,
                        mrt_face_wants *wants)
 {
@@ -76,11 +77,10 @@ static mrt_result open(mrt_plugin *self, const char *address, const double *para
     const char *rest = is_told ? address + 3 : address;
     close(self);
     if (rest[0] && !udp_address_parse(host, &port, rest, strlen(rest))) {
-        device_say(
-            self->host, MRT_LOG_ERROR,
-            "\"%.100s\" is no address: write where to listen, as in 0.0.0.0:%d, or to:HOST:%d "
-            "to send without being asked",
-            address, PORT, PORT);
+        device_say(self->host, MRT_LOG_ERROR,
+                   "\"%.100s\" is not an address: write an address to listen on, as in 0.0.0.0:%d, "
+                   "or to:HOST:%d to send without a request",
+                   address, PORT, PORT);
         return MRT_ERR_ARGUMENT;
     }
     udp_peer named;
@@ -102,17 +102,17 @@ static mrt_result open(mrt_plugin *self, const char *address, const double *para
         self->to.of[0] =
             (receiver){.at = named, .has_version_2 = params[VERSION] > 0.5, .is_named = true};
     wants->rate_hz = params[RATE];
-    wants->repeat_s = 0.1; /* greetings are looked for then, too */
+    wants->repeat_s = 0.1; /* greetings are also checked then */
     return MRT_OK;
 }
 
-/* "MouthSmileLeft" is "mouthSmile_L" there. */
+/* "MouthSmileLeft" is "mouthSmile_L" in the app. */
 static void name_of(char out[40], const char *name)
 {
     size_t length = strlen(name);
     bool is_left = length > 4 && strcmp(name + length - 4, "Left") == 0;
     bool is_right = length > 5 && strcmp(name + length - 5, "Right") == 0;
-    /* of jaw and mouth alone: a way, no side */
+    /* for jaw and mouth: a direction, not a side */
     bool is_way = strcmp(name, "JawLeft") == 0 || strcmp(name, "JawRight") == 0 ||
                   strcmp(name, "MouthLeft") == 0 || strcmp(name, "MouthRight") == 0;
     size_t cut = is_way ? 0 : is_left ? 4 : is_right ? 5 : 0;
@@ -132,32 +132,31 @@ static mrt_result begin(mrt_plugin *self, const mrt_face_names *names)
     return MRT_OK;
 }
 
-/* ---- who asks ---- */
+/* ---- requests ---- */
 
-/* A greeting may be forged, and its sender another one than it says: only this computer and those
- * in its own networks are sent a face that they ask for. */
+/* A greeting, including its sender, may be forged. So only this computer and computers in its own
+ * networks get a requested face. */
 static void welcome(mrt_plugin *self, const udp_peer *at, bool has_version_2)
 {
     char text[UDP_PEER_TEXT];
     udp_peer_text(at, text, sizeof text);
     if (!receivers_find(&self->to, at) && !udp_peer_is_near(at)) {
         if (!self->has_told_far)
-            device_say(
-                self->host, MRT_LOG_WARNING,
-                "%s asks for the face and is in no network of this computer: it gets none. To "
-                "send there, add the output ifacialmocap:to:%s",
-                text, text);
+            device_say(self->host, MRT_LOG_WARNING,
+                       "ignored the request of %s: it is not in a network of this computer. To "
+                       "send there, add the output ifacialmocap:to:%s",
+                       text, text);
         self->has_told_far = true;
         return;
     }
     switch (receivers_greeted(&self->to, at, has_version_2, device_clock_ns())) {
     case RECEIVER_IS_NEW:
-        device_say(self->host, MRT_LOG_INFO, "%s asks for the face", text);
+        device_say(self->host, MRT_LOG_INFO, "%s requested the face", text);
         break;
     case RECEIVER_HAS_NO_PLACE:
         if (!self->has_told_full)
             device_say(self->host, MRT_LOG_WARNING,
-                       "%s asks for the face: %d others have it, and that is as many as can", text,
+                       "ignored the request of %s: the limit of %d receivers is reached", text,
                        RECEIVERS_MAX);
         self->has_told_full = true;
         break;
@@ -175,18 +174,18 @@ static void hear(mrt_plugin *self)
         if (size == UDP_NOTHING)
             return;
         if (size < 0)
-            continue; /* what was wrong with a face that was sent: see forget */
+            continue; /* error report of a sent face: see forget */
         trace_received(&self->trace, device_clock_ns(), text, (size_t)size);
         text[size] = '\0';
         if (self->to.of[0].is_named || strncmp(text, greeting, sizeof greeting - 1) != 0)
             continue;
-        from.port = PORT; /* where the app's receivers listen, whatever they greet from */
+        from.port = PORT; /* where receivers listen, whatever port they send from */
         strangers += !receivers_find(&self->to, &from);
         welcome(self, &from, strstr(text, wants_version_2) != NULL);
     }
 }
 
-/* What the system has learned about faces that were sent. */
+/* Processes the system's error reports about sent faces. */
 static void forget(mrt_plugin *self)
 {
     char text[UDP_PEER_TEXT];
@@ -199,8 +198,8 @@ static void forget(mrt_plugin *self)
         udp_peer_text(&at, text, sizeof text);
         device_say(self->host, MRT_LOG_INFO,
                    end == RECEIVER_REFUSED
-                       ? "%s does not listen any more: it gets no face until it asks again"
-                       : "%s has not asked again for 12 hours: it gets no face until it does",
+                       ? "%s stopped listening: sending stops until its next request"
+                       : "%s sent no request for 12 hours: sending stops until its next request",
                    text);
     }
 }
@@ -222,7 +221,7 @@ __attribute__((format(printf, 2, 3))) static void add(line *out, const char *for
         out->size += (size_t)size;
 }
 
-/* Yaw, pitch, roll of a sample as pitch, yaw, roll. */
+/* Writes a sample's yaw, pitch, roll as pitch, yaw, roll. */
 static void add_rotation(line *out, const char *name, const float *turn, const char *behind)
 {
     add(out, "%s#%.4f,%.4f,%.4f%s|", name, (double)turn[1] * degrees_a_rad,
@@ -264,9 +263,10 @@ static mrt_result send(mrt_plugin *self, const double *params, const mrt_face_sa
 static const char *const versions[] = {"1", "2", NULL};
 static const mrt_param params[PARAM_COUNT] = {
     [RATE] = {1, 0, "Rate", "Network", "Hz",
-              "At most so many faces a second; from the next opening on", 1, 240, 60, NULL},
+              "Largest number of faces per second. Used when the output is opened again", 1, 240,
+              60, NULL},
     [VERSION] = {2, MRT_PARAM_STEPPED, "Version", "Network", "",
-                 "Of the text that is sent without being asked (to:HOST:PORT)", 0, 1, 1, versions},
+                 "Version of the text sent without a request (to:HOST:PORT)", 0, 1, 1, versions},
 };
 static const mrt_face_output output = {open, begin, send, close};
 static const mrt_interface interfaces[] = {{MRT_FACE_OUTPUT, &output}, {NULL, NULL}};
@@ -278,7 +278,7 @@ static const mrt_plugin_type type = {
     "org.marotte.ifacialmocap",
     "iFacialMocap",
     MAROTTE_VERSION,
-    "The face as the app iFacialMocap sends it, to whoever asks",
+    "The face in the format of the app iFacialMocap, sent to each program that requests it",
     create,
     destroy,
 };

@@ -1,7 +1,7 @@
 /* livelink.c - the plugin "org.marotte.livelink": the datagram of the app Live Link Face, for
- * Unreal's source "Apple ARKit" and all others that take it: big-endian,
- *   u8 6, id, subject (each: u32 length, text), u32 frame, f32 of a frame, u32 rate, u32 per,
- *   u8 61, 61 floats: ARKit's 52, then yaw, pitch and roll of head, left and right eye. */
+ * Unreal's source "Apple ARKit" and other receivers. Big-endian: u8 6, id, subject (each: u32
+ * length, text), u32 frame, f32 part of a frame, u32 rate, u32 per, u8 61, 61 floats: ARKit's 52,
+ * then yaw, pitch and roll of head, left and right eye. */
 #include "device_io.h"
 #include "udp.h"
 
@@ -17,15 +17,15 @@
 
 enum { PORT = 11111, CHANNELS = 61, ID_BYTES = 36, PACKET_BYTES = 512 };
 enum { RATE, SWAP, SUBJECT, PARAM_COUNT, SUBJECTS = 16 };
-enum { JAW_LEFT = 15, MOUTH_LEFT = 21 }; /* the right ones come next */
+enum { JAW_LEFT = 15, MOUTH_LEFT = 21 }; /* left shapes, each followed by its right one */
 static const uint32_t frames_a_second = 60;
 static const int64_t ns_per_s = 1000000000, day_s = 86400;
 
 struct mrt_plugin {
     udp_sender to;
     const mrt_face_names *names;
-    int claim;   /* a socket that nobody sends to: only its name matters; -1: none */
-    int claimed; /* the subject's number; 0: none */
+    int claim;   /* a socket that only reserves its name; -1: none */
+    int claimed; /* number of the subject; 0: none */
 };
 
 static mrt_plugin *create(const mrt_host *host)
@@ -63,7 +63,7 @@ static mrt_result open_output(mrt_plugin *self, const char *address, const doubl
                               mrt_face_wants *wants)
 {
     wants->rate_hz = params[RATE];
-    wants->repeat_s = 0.1; /* the app never pauses: who hears nothing takes it for gone */
+    wants->repeat_s = 0.1; /* the app never pauses: receivers treat silence as a loss */
     return udp_sender_open(&self->to, address, PORT, "livelink");
 }
 
@@ -73,10 +73,11 @@ static mrt_result begin(mrt_plugin *self, const mrt_face_names *names)
     return MRT_OK;
 }
 
-/* ---- one program at a time is a subject there ---- */
+/* ---- one program per subject and receiver ---- */
 
-/* A receiver takes two senders of one device for one face that jumps; it cannot say so. The name is
- * an abstract socket's: it goes with whoever has it. */
+/* Two senders with one device id look to a receiver like one face that jumps, and it cannot report
+ * that. So each sender reserves a name: an abstract socket, which the system frees when the program
+ * ends. */
 static mrt_result claim(mrt_plugin *self, int number)
 {
     struct sockaddr_un name = {.sun_family = AF_UNIX};
@@ -92,7 +93,7 @@ static mrt_result claim(mrt_plugin *self, int number)
         errno == EADDRINUSE) {
         give_back(self);
         device_say(self->to.host, MRT_LOG_ERROR,
-                   "another program sends there as this device: close that, or choose subject=%d",
+                   "another program sends there as the same device: close it, or set subject=%d",
                    number < SUBJECTS ? number + 1 : 1);
         return MRT_ERR_IO;
     }
@@ -133,7 +134,7 @@ static void put_text(packet *out, const char *text)
     out->size += length;
 }
 
-/* Frames since midnight of the host's clock, or since the take's start. */
+/* Frames since midnight on the host's clock, or since the start of the take. */
 static void put_time(packet *out, const mrt_face_sample *sample)
 {
     int64_t at_ns = sample->take_ns >= 0 ? sample->take_ns : sample->time_ns;
@@ -177,14 +178,15 @@ static mrt_result send_face(mrt_plugin *self, const double *params, const mrt_fa
 static const char *const off_on[] = {"off", "on", NULL};
 static const mrt_param params[PARAM_COUNT] = {
     [RATE] = {1, 0, "Rate", "Network", "Hz",
-              "At most so many faces a second; from the next opening on", 1, 240, 60, NULL},
+              "Largest number of faces per second. Used when the output is opened again", 1, 240,
+              60, NULL},
     [SWAP] = {2, MRT_PARAM_STEPPED, "Swap laterals", "Network", "",
-              "JawRight and MouthRight before the left ones: for receivers whose jaw and mouth go "
-              "to the wrong side",
+              "Send JawRight and MouthRight before the left ones, for receivers whose jaw and "
+              "mouth move to the wrong side",
               0, 1, 0, off_on},
     [SUBJECT] = {3, MRT_PARAM_STEPPED, "Subject", "Network", "",
-                 "Which of several: its name is marotte, marotte2 ..., its device another", 1,
-                 SUBJECTS, 1, NULL},
+                 "Number of the subject, named marotte, marotte2 ...; each has its own device id",
+                 1, SUBJECTS, 1, NULL},
 };
 static const mrt_face_output output = {open_output, begin, send_face, close_output};
 static const mrt_interface interfaces[] = {{MRT_FACE_OUTPUT, &output}, {NULL, NULL}};
@@ -196,7 +198,7 @@ static const mrt_plugin_type type = {
     "org.marotte.livelink",
     "Live Link Face",
     MAROTTE_VERSION,
-    "The face as the app Live Link Face sends it, to Unreal's Apple ARKit source and others",
+    "The face in the format of the app Live Link Face, for Unreal's Apple ARKit source and others",
     create,
     destroy,
 };

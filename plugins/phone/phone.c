@@ -1,6 +1,6 @@
-/* phone.c - the plugin "org.marotte.phone": the face of a person before a phone or a webcam, as
- * programs send it over the network, as 61 named channels (phone_parse.h). README.md says how it
- * is used. */
+/* phone.c - the plugin "org.marotte.phone": the face of a person in front of a phone or a webcam,
+ * received from other programs over the network, as 61 named channels (phone_parse.h).
+ * plugins/devices/README.md is the user's guide. */
 #include "device_io.h"
 #include "phone_parse.h"
 #include "trace.h"
@@ -23,28 +23,29 @@ typedef enum heard_from { HEARD_ANYBODY = 0, HEARD_PHONE_ALONE } heard_from;
 enum { PORT_LIVE_LINK = 11111, PORT_IFACIALMOCAP = 49983 };
 
 static const int64_t ns_per_s = 1000000000;
-/* iFacialMocap sends when it is asked to; it may be started after us, and it may sleep. */
+/* iFacialMocap sends after a request. It may start after marotte, and it may sleep, so the request
+ * is repeated. */
 static const int64_t ask_again_ns = 1000000000;
 static const char greeting[] =
     "iFacialMocap_sahuasouryya9218sauhuiayeta91555dy3719|sendDataVersion=v2";
-/* A datagram that is told to be older than the one before it has overtaken on the way; by more
- * than this it is another session. */
+/* A datagram with an earlier time than the previous one was overtaken on the way. If it is earlier
+ * by more than this, it is of a new session. */
 static const double overtaken_s = 1.0;
 
 struct mrt_plugin {
     const mrt_host *host;
     int socket; /* -1: closed */
     uint16_t port;
-    udp_peer phone; /* that is asked to send; whoever is there: a broadcast */
+    udp_peer phone; /* phone to send requests to; by default a broadcast */
     heard_from heard;
     bool is_asking;
     int64_t ask_ns;
     trace trace;
     udp_owner owner;
     clock_map clock;
-    double time_s; /* of the last datagram that had one */
+    double time_s; /* of the last datagram with a time */
     int64_t host_offset_ns;
-    int64_t last_ns; /* of the sample given last */
+    int64_t last_ns; /* of the last sample returned */
     uint32_t sequence, faulty_count;
     bool has_time, has_given, has_told_other, has_told_fault, has_told_failure;
     float value[PHONE_VALUES];
@@ -59,15 +60,15 @@ static void input_close(mrt_plugin *self)
     if (self->socket < 0)
         return;
     if (self->faulty_count > 0)
-        device_say(self->host, MRT_LOG_INFO, "port %u: %u datagrams were no face",
+        device_say(self->host, MRT_LOG_INFO, "port %u: %u datagrams did not contain a face",
                    (unsigned)self->port, self->faulty_count);
     udp_close(self->socket);
     trace_close(&self->trace);
     self->socket = -1;
 }
 
-/* Where to listen: at the address that is named, if it is one of this computer. Otherwise at all,
- * as the phone is another computer; nobody but a phone that is named is heard then. */
+/* Chooses the address to listen on. A named address of this computer is used directly. Any other
+ * named address is a phone: listens on all addresses, and accepts only that phone. */
 static int listen_for(mrt_plugin *self, const char *named, char reason[UDP_REASON])
 {
     bool is_named = named[0] && strcmp(named, "0.0.0.0") != 0;
@@ -89,7 +90,7 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
     self->port = PORT_LIVE_LINK;
     if (address[0] && !udp_address_parse(named, &self->port, address, strlen(address))) {
         device_say(self->host, MRT_LOG_ERROR,
-                   "\"%.60s\" is no port: write phone:11111 for Live Link Face, phone:49983 or "
+                   "\"%.60s\" is not a port: write phone:11111 for Live Link Face, phone:49983 or "
                    "phone:192.168.1.30:49983 (the phone's address) for iFacialMocap, phone:11573 "
                    "for OpenSeeFace",
                    address);
@@ -131,12 +132,12 @@ static void ask(mrt_plugin *self)
     self->has_told_failure = true;
     udp_peer_text(&self->phone, text, sizeof text);
     device_say(self->host, MRT_LOG_WARNING,
-               "port %u: the phone at %s cannot be asked to send (%s): write its address, as "
-               "in phone:192.168.1.30:%u; listening on",
+               "port %u: cannot send the request to the phone at %s (%s): write its address, as in "
+               "phone:192.168.1.30:%u. Still listening",
                (unsigned)self->port, text, strerror(error), (unsigned)self->port);
 }
 
-/* Until somebody sends, and again when it is silent. */
+/* Sends a request until a face arrives, and again when it is silent. */
 static void ask_if_due(mrt_plugin *self, int64_t now_ns)
 {
     if (!self->is_asking || now_ns < self->ask_ns)
@@ -154,7 +155,7 @@ static void tell_other(mrt_plugin *self, const udp_peer *peer, const char *why)
         return;
     self->has_told_other = true;
     udp_peer_text(peer, text, sizeof text);
-    device_say(self->host, MRT_LOG_WARNING, "port %u: %s sends a face too and is not heard: %s",
+    device_say(self->host, MRT_LOG_WARNING, "port %u: ignored a second face from %s: %s",
                (unsigned)self->port, text, why);
 }
 
@@ -162,7 +163,7 @@ static bool admit(mrt_plugin *self, const udp_peer *peer, int64_t now_ns)
 {
     if (udp_owner_admits_single(&self->owner, peer, now_ns))
         return true;
-    tell_other(self, peer, "two phones are two inputs at two ports");
+    tell_other(self, peer, "open a second input on another port for it");
     return false;
 }
 
@@ -173,8 +174,8 @@ static void refuse(mrt_plugin *self, size_t size)
         return;
     self->has_told_fault = true;
     device_say(self->host, MRT_LOG_WARNING,
-               "port %u: a datagram of %zu bytes is no face that is known here: Live Link Face, "
-               "iFacialMocap and OpenSeeFace are",
+               "port %u: ignored a datagram of %zu bytes: expected Live Link Face, iFacialMocap or "
+               "OpenSeeFace",
                (unsigned)self->port, size);
 }
 
@@ -198,7 +199,7 @@ static int64_t time_of(mrt_plugin *self, const phone_frame *frame, int64_t now_n
     return device_sample_ns(self->host, now_ns + self->host_offset_ns, &self->last_ns);
 }
 
-/* False: nothing of this moves the face, which is held. */
+/* Returns false if the datagram moves nothing. Then the face is held. */
 static bool take(mrt_plugin *self, size_t size, const udp_peer *peer, const double *params,
                  int64_t now_ns, mrt_sample *out)
 {
@@ -209,7 +210,7 @@ static bool take(mrt_plugin *self, size_t size, const udp_peer *peer, const doub
         return false; /* our own, broadcast */
     if (self->heard == HEARD_PHONE_ALONE &&
         memcmp(peer->ip, self->phone.ip, sizeof peer->ip) != 0) {
-        tell_other(self, peer, "the address of another phone was given");
+        tell_other(self, peer, "the input is set to the address of another phone");
         return false;
     }
     if (phone_parse(&frame, self->datagram, size, laterals) == PHONE_NONE) {
@@ -263,7 +264,7 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
 
 /* ---- devices ---- */
 
-/* The first address of this computer in a network; "" when it is in none. */
+/* Finds the first address of this computer in a network; "": none. */
 static void find_own_address(char *out, size_t capacity)
 {
     struct ifaddrs *all = NULL;
@@ -289,9 +290,9 @@ static void fill_device(uint16_t port, mrt_device *out)
     (void)snprintf(out->address, sizeof out->address, "%u", (unsigned)port);
     (void)snprintf(out->name, sizeof out->name, "Face from a phone or a webcam program");
     (void)snprintf(out->advice, sizeof out->advice,
-                   "send it here: in Live Link Face write the target %s port 11111; "
-                   "iFacialMocap: phone:49983, OpenSeeFace: phone:11573",
-                   own[0] ? own : "(this computer is in no network)");
+                   "Live Link Face: set the target to %s port 11111; iFacialMocap: open "
+                   "phone:49983; OpenSeeFace: open phone:11573",
+                   own[0] ? own : "(this computer has no network)");
 }
 
 static uint32_t list_devices(mrt_plugin *self, mrt_device *out, uint32_t capacity)
@@ -335,8 +336,8 @@ static void destroy(mrt_plugin *self)
 static const char *const laterals_label[] = {"left first", "right first", NULL};
 static const mrt_param params[PARAM_COUNT] = {
     [PARAM_LATERALS] = {1, MRT_PARAM_STEPPED, "laterals", "Phone", "",
-                        "Which of jaw left and right, mouth left and right Live Link sends first: "
-                        "change it when the mouth goes to the wrong side",
+                        "Order of left and right for jaw and mouth in Live Link: change it if the "
+                        "mouth moves to the wrong side",
                         PHONE_LEFT_FIRST, PHONE_RIGHT_FIRST, PHONE_LEFT_FIRST, laterals_label},
 };
 
@@ -353,7 +354,7 @@ static const mrt_plugin_type type = {
     "org.marotte.phone",
     "Phone",
     MAROTTE_VERSION,
-    "A face that a phone or a webcam program sends: Live Link Face, iFacialMocap, OpenSeeFace",
+    "A face from a phone or a webcam program: Live Link Face, iFacialMocap, OpenSeeFace",
     create,
     destroy,
 };

@@ -91,7 +91,7 @@ enum {
 
 static const float pi = 3.14159265f;
 
-/* False: it is no number, and nothing of this frame can be believed. */
+/* Returns false if the value is not finite: then the whole frame is rejected. */
 static bool put(phone_frame *out, int index, float value)
 {
     const float low = index < PHONE_SHAPES ? 0.0f : -pi, high = index < PHONE_SHAPES ? 1.0f : pi;
@@ -102,7 +102,7 @@ static bool put(phone_frame *out, int index, float value)
     return true;
 }
 
-/* ---- Live Link Face: big-endian, text with its length before it ---- */
+/* ---- Live Link Face: big-endian, texts with a length prefix ---- */
 
 typedef struct reader {
     const uint8_t *at;
@@ -160,7 +160,7 @@ static bool parse_live_link(phone_frame *out, reader from, phone_laterals latera
     from.left -= 1;
     if (!skip_text(&from) || !skip_text(&from) || !take_time(&from, out))
         return false;
-    if (from.left == 0) /* it ends here while nobody is seen */
+    if (from.left == 0) /* ends here while no face is tracked */
         return true;
     if (from.left != 1 + 4 * PHONE_VALUES || from.at[0] != PHONE_VALUES)
         return false;
@@ -186,7 +186,7 @@ typedef struct text {
     size_t size;
 } text;
 
-/* What is before the next `stop`, or all that is left. */
+/* Returns the text before the next `stop`, or the rest. */
 static text cut(text *rest, char stop)
 {
     const char *found = rest->size > 0 ? memchr(rest->at, stop, rest->size) : NULL;
@@ -216,7 +216,7 @@ static bool is_text(text a, const char *b)
     return a.size == strlen(b) && memcmp(a.at, b, a.size) == 0;
 }
 
-/* "mouthSmile_L" is mouthSmileLeft. -1: not known. */
+/* "mouthSmile_L" is mouthSmileLeft. Returns -1 for an unknown name. */
 static int find_shape(text name)
 {
     char full[40];
@@ -233,10 +233,10 @@ static int find_shape(text name)
     return -1;
 }
 
-/* Pitch, yaw, roll in degrees, and whatever follows. */
+/* Reads pitch, yaw, roll in degrees; ignores further numbers. */
 static bool take_turn(phone_frame *out, int first, text numbers)
 {
-    static const int order[3] = {1, 0, 2}; /* yaw is told first here */
+    static const int order[3] = {1, 0, 2}; /* the table has yaw first */
     for (int i = 0; i < 3; ++i) {
         float degrees;
         if (!read_number(cut(&numbers, ','), &degrees) ||
@@ -281,11 +281,11 @@ static bool parse_ifacialmocap(phone_frame *out, const char *bytes, size_t size)
     return false;
 }
 
-/* ---- OpenSeeFace: little-endian, one piece of fixed size a face ---- */
+/* ---- OpenSeeFace: little-endian, fixed size per face ---- */
 
 enum {
     FACE_BYTES = 1785,
-    AT_WIDTH = 12, /* and height, of the picture */
+    AT_WIDTH = 12, /* width and height of the picture */
     AT_OPEN = 20,  /* right, left */
     AT_HAS_3D = 28,
     AT_EULER = 49,
@@ -337,7 +337,7 @@ static bool put_side(phone_frame *out, const float *feature, int side, float is_
            put(out, MOUTH_STRETCH_LEFT + side, feature[FEATURE_MOUTH_WIDE]);
 }
 
-/* Any 1785 bytes could be a face: these are not what a camera sees. */
+/* Any 1785 bytes could be a face: rejects values that a camera cannot produce. */
 static bool is_sane(const uint8_t *bytes)
 {
     const float width = little_float(bytes + AT_WIDTH), height = little_float(bytes + AT_WIDTH + 4);
@@ -352,7 +352,7 @@ static bool is_sane(const uint8_t *bytes)
     return true;
 }
 
-/* Of several faces the first. Its features are put at the nearest shapes of ARKit. */
+/* Reads the first of several faces. Maps its features to the nearest shapes of ARKit. */
 static bool parse_openseeface(phone_frame *out, const uint8_t *bytes)
 {
     const uint64_t time = little(bytes, 8);

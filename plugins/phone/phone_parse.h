@@ -1,7 +1,7 @@
-/* phone/phone_parse.h - datagrams of programs that watch a person's face become one table of 61
- * named values: the shapes of ARKit, the head and the eyes, in the order of Live Link Face. Knows
- * Live Link Face, iFacialMocap (both versions of its text) and OpenSeeFace by how they begin.
- * Leaves out who sends. Pure; no allocation. Left and right are the person's own. */
+/* phone/phone_parse.h - parser of the datagrams of face trackers: converts them to one table of 61
+ * named values (the shapes of ARKit, the head and the eyes, in the order of Live Link Face).
+ * Detects Live Link Face, iFacialMocap (both versions of its text) and OpenSeeFace by their first
+ * bytes. Leaves out the sender. Pure; no allocation. Left and right are the performer's own. */
 #ifndef PLUGINS_PHONE_PARSE_H
 #define PLUGINS_PHONE_PARSE_H
 #include <stdbool.h>
@@ -13,7 +13,7 @@ enum { PHONE_SHAPES = 52, PHONE_VALUES = 61, PHONE_DATAGRAM = 65536 };
 extern const char *const phone_name[PHONE_VALUES];
 
 typedef enum phone_protocol {
-    PHONE_NONE = 0, /* it is nothing that is known here, or damaged */
+    PHONE_NONE = 0, /* unknown or damaged */
     PHONE_LIVE_LINK,
     PHONE_IFACIALMOCAP,
     PHONE_OPENSEEFACE
@@ -23,7 +23,7 @@ typedef enum phone_protocol {
 typedef enum phone_laterals { PHONE_LEFT_FIRST = 0, PHONE_RIGHT_FIRST } phone_laterals;
 
 typedef struct phone_frame {
-    bool has_face; /* false: nobody is seen */
+    bool has_face; /* false: no face is tracked */
     bool has_time;
     double time_s;              /* by the sender's clock */
     bool is_told[PHONE_VALUES]; /* the others are 0 */

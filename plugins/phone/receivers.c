@@ -4,8 +4,8 @@
 #include <string.h>
 
 static const int64_t ns_per_s = 1000000000;
-/* While datagrams are refused, the other computer reports it at least once a second. That there is
- * none at an address, this one finds out every three seconds. */
+/* While datagrams are refused, the other computer reports it at least once per second. An address
+ * without a computer is reported by this computer every three seconds. */
 static const int64_t refusal_lasts_ns = 2500000000, absence_lasts_ns = 10000000000;
 
 receiver *receivers_find(receivers *self, const udp_peer *at)

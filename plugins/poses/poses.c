@@ -1,5 +1,5 @@
-/* Hand poses that were shown once or a few times stand for poses of the face; between them the face
- * is in between. Shipped ones until others are taught. */
+/* Mapping: hand poses that were demonstrated once or a few times make poses of the face; hand poses
+ * between them make faces between. Defaults apply until others are taught. */
 #include "expressions.h"
 #include "mapping.h"
 #include "space.h"
@@ -13,7 +13,7 @@ static const expression expressions_of[SPACE_POSES] = {
     EXPRESSION_NEUTRAL,  EXPRESSION_SMILE,      EXPRESSION_FROWN,  EXPRESSION_JAW_OPEN,
     EXPRESSION_BROWS_UP, EXPRESSION_BROWS_DOWN, EXPRESSION_PUCKER, EXPRESSION_BLINK};
 
-/* Distal joints as they are estimated: half of the middle ones. The wrist is as at rest. */
+/* Distal joints are estimated as half of the middle ones. The wrist is at rest. */
 #define FINGERS(thumb_roll, thumb_mpj, thumb_ij, thumb_abduction, i1, i2, m1, m2, r1, r2, l1, l2,  \
                 spread, arch)                                                                      \
     {                                                                                              \
@@ -42,11 +42,11 @@ typedef struct lessons {
 struct mrt_plugin {
     const mrt_host *host;
     expressions expressions;
-    lessons stored; /* shipped or loaded: what a reset returns to */
+    lessons stored; /* default or loaded demonstrations: restored by a reset */
     lessons now;
     double weight[SPACE_POSES]; /* of the face shown */
 
-    /* ---- follows from the lessons and the parameters ---- */
+    /* ---- derived from the demonstrations and the parameters ---- */
     space_fit fit;
     bool is_fit;
     double ridge, width; /* that it was found with */
@@ -103,10 +103,10 @@ static void report(const mrt_plugin *self, unsigned pose)
 {
     char line[200] = "taught: ";
     append(line, expression_names[expressions_of[pose]]);
-    append(line, ", shown times: ");
+    append(line, ", demonstrations: ");
     append_number(line, self->now.shown.count[pose]);
     if (self->fit.left_out < 0.0) {
-        append(line, "; show a pose twice to learn how well it is told from the others");
+        append(line, "; show a pose twice to measure how well the poses can be distinguished");
     } else {
         append(line, "; leave-one-out error of the weights: ");
         append_number(line, (unsigned)(100.0 * clamp(self->fit.left_out, 0.0, 99.0) + 0.5));
@@ -125,7 +125,7 @@ static void fit_again(mrt_plugin *self, const double *params)
 
 static void learn(mrt_plugin *self, unsigned pose, const mrt_hand *hand, const double *params)
 {
-    if (!self->now.is_taught[pose]) /* what was shipped makes room */
+    if (!self->now.is_taught[pose]) /* the first demonstration replaces the default one */
         self->now.shown.count[pose] = self->now.shown.next[pose] = 0;
     self->now.is_taught[pose] = true;
     space_show(&self->now.shown, pose, hand->angle);
@@ -146,7 +146,7 @@ static void attend(mrt_plugin *self, const mrt_hand *hand, const double *params)
             learn(self, pose, hand, params);
         else
             self->host->log(self->host, MRT_LOG_WARNING,
-                            "no hand is there to be taught: hold the pose, then teach it");
+                            "no hand detected: hold the pose, then press Teach");
     }
     bool is_other = params[RIDGE] < self->ridge || params[RIDGE] > self->ridge ||
                     params[WIDTH] < self->width || params[WIDTH] > self->width;
@@ -174,7 +174,7 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     return MRT_OK;
 }
 
-/* ---- what was taught, kept ---- */
+/* ---- storing the demonstrations ---- */
 
 #define LESSONS_MEMORY(lessons)                                                                    \
     MEMORY_WHOLES((lessons).shown.count, SPACE_SHOWN_MAX),                                         \
@@ -194,7 +194,7 @@ static mrt_result load_lessons(mrt_plugin *self, const void *bytes, size_t size)
         .type = "org.marotte.poses/taught", .version = 1, .parts = {LESSONS_MEMORY(self->stored)}};
     if (!memory_load(&list, bytes, size)) {
         self->host->log(self->host, MRT_LOG_ERROR,
-                        "what was stored are no hand poses: teach them again");
+                        "the stored hand poses are damaged: teach them again");
         return MRT_ERR_FORMAT;
     }
     self->now = self->stored;
@@ -202,7 +202,7 @@ static mrt_result load_lessons(mrt_plugin *self, const void *bytes, size_t size)
     return MRT_OK;
 }
 
-/* Of each pose the mean of its demonstrations. */
+/* Returns the mean of the demonstrations of a pose. */
 static mrt_result pose(const void *bytes, size_t size, uint32_t param, float *out_rad)
 {
     lessons all;
@@ -253,7 +253,7 @@ static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
 #define TEACH_PARAM(id, name, pose, what)                                                          \
     {                                                                                              \
         id, MRT_PARAM_TRIGGER, name, "Teach", "",                                                  \
-            "The hand as it is held now means: " pose ". At first: " what ".", 0, 1, 0, NULL       \
+            "Learn the current hand pose as: " pose ". Default: " what ".", 0, 1, 0, NULL          \
     }
 
 /* clang-format off */
@@ -267,15 +267,15 @@ static const mrt_param params[PARAM_COUNT] = {
     TEACH_PARAM(7, "Teach brows down", "brows down", "the index finger bent"),
     TEACH_PARAM(8, "Teach pucker", "pucker", "all fingertips together"),
     TEACH_PARAM(9, "Teach blink", "blink", "the other three fingers stretched"),
-    {10, MRT_PARAM_TRIGGER, "Forget", "Teach", "", "All hand poses are as they were at first.",
+    {10, MRT_PARAM_TRIGGER, "Forget", "Teach", "", "Reset all hand poses to their defaults.",
      0, 1, 0, NULL},
-    {11, 0, "Amount", "Face", "%", "How much of each pose the face makes.", 0, 120, 100, NULL},
+    {11, 0, "Amount", "Face", "%", "Strength of each pose of the face.", 0, 120, 100, NULL},
     {12, 0, "Ease", "Face", "s", "Time in which the face follows the hand.", 0.01, 1, 0.05, NULL},
     {13, 0, "Width", "Learning", "%",
-     "How far a demonstration reaches, in per cent of the mean way from pose to pose.",
+     "Radius of a demonstration, in per cent of the mean distance between poses.",
      10, 100, 40, NULL},
     {14, 0, "Ridge", "Learning", "",
-     "How little single demonstrations are believed: 0.001 to the letter, 1 hardly.",
+     "Regularisation: 0.001 follows each demonstration exactly, 1 hardly.",
      0.001, 1, 0.01, NULL},
 };
 /* clang-format on */
@@ -297,7 +297,7 @@ static const mrt_plugin_type type = {
     "org.marotte.poses",
     "Poses",
     "1.0",
-    "Hand poses that were shown to it stand for poses of the face.",
+    "Learned hand poses make poses of the face.",
     create,
     mapping_destroy,
 };

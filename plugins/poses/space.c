@@ -3,8 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-/* No angle counts more than if it varied by so much between poses. */
-/* Nor a wrist, which moves with the arm. */
+/* Smallest spread of an angle between poses, which limits its weight. */
+/* A larger one for the wrist, which moves with the arm. */
 static const double least_spread_rad = 0.12, least_wrist_rad = 0.6;
 enum { WRIST = 20 };
 
@@ -19,7 +19,7 @@ void space_show(space_shown *self, unsigned pose, const float angle[MRT_ANGLES])
     memcpy(self->angle[pose][at], angle, sizeof self->angle[pose][at]);
 }
 
-/* exp(-x) for x >= 0: the power series at a 64th, then squared six times. */
+/* exp(-x) for x >= 0: the power series of x/64, then squared six times. */
 static double exp_minus(double x)
 {
     if (!(x < 60.0))
@@ -42,7 +42,7 @@ static double distance2(const double a[MRT_ANGLES], const double b[MRT_ANGLES])
     return sum / MRT_ANGLES;
 }
 
-/* ---- what was demonstrated ---- */
+/* ---- demonstrations ---- */
 
 static void gather(space_fit *out, const space_shown *shown)
 {
@@ -56,7 +56,7 @@ static void gather(space_fit *out, const space_shown *shown)
         }
 }
 
-/* Each angle by its standard deviation over the demonstrations. */
+/* Divides each angle by its standard deviation over the demonstrations. */
 static void normalise(space_fit *out)
 {
     for (int i = 0; i < MRT_ANGLES; ++i) {
@@ -90,7 +90,7 @@ typedef struct matrix {
     double at[SPACE_MAX][SPACE_MAX];
 } matrix;
 
-/* The lower Cholesky factor, in place. The ridge keeps the matrix positive definite. */
+/* Computes the lower Cholesky factor, in place. The ridge keeps the matrix positive definite. */
 static void factor(matrix *m, int count)
 {
     for (int i = 0; i < count; ++i)
@@ -116,8 +116,8 @@ static void solve(const matrix *m, int count, double x[SPACE_MAX])
     }
 }
 
-/* The error at a demonstration that is left out: coefficient / diagonal of the inverse, without
- * solving anew (Rippa 1999, for each pose as one right-hand side). */
+/* Leave-one-out error: coefficient / diagonal of the inverse, without solving again (Rippa 1999,
+ * with each pose as one right-hand side). */
 static double left_out(const space_fit *self, const matrix *m, const space_shown *shown)
 {
     double sum = 0.0, count = 0.0;

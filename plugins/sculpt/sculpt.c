@@ -1,5 +1,5 @@
-/* The paper's palm that covers a face, as tools for clay: fingertips and palm push, pull, smooth or
- * grab what they are near, each sample on the shape that the last one left. */
+/* Mapping: the paper's palm that covers a face, as tools for clay. Fingertips and palm push, pull,
+ * smooth or grab the skin near them, each sample on the shape of the previous one. */
 #include "mapping.h"
 #include "placement.h"
 
@@ -17,10 +17,11 @@ enum {
 };
 typedef enum tool { TOOL_PUSH = 0, TOOL_PULL, TOOL_SMOOTH, TOOL_GRAB, TOOL_COUNT } tool;
 
-/* A hand that smooths as fast as it can eases the shape back at this rate; at this speed it is half
- * of that. */
+/* Fastest rate at which a smoothing hand eases the shape back, and the speed of the hand at which
+ * the rate is half of that. */
 static const double smooth_per_s = 8.0, smooth_heights_per_s = 0.3;
-/* No part of a face is flatter than this, of its height: so there is always a way out of it. */
+/* Smallest depth of a face, as a share of its height, so that "out of the face" is always
+ * defined. */
 static const float least_depth = 0.1f;
 
 struct mrt_plugin {
@@ -28,11 +29,11 @@ struct mrt_plugin {
     mrt_vec3 centre, half; /* of the face, mm */
     clutch clutch;
     bool is_touching, was_tool_down;
-    uint32_t count, who;                  /* points and hands that touched in the last frame */
-    mrt_vec3 hand[PLACEMENT_POINTS_MAX];  /* where they were */
-    float slack_mm[PLACEMENT_POINTS_MAX]; /* how far they are back from where the clay is */
+    uint32_t count, who;                  /* points and hands that touched in the previous frame */
+    mrt_vec3 hand[PLACEMENT_POINTS_MAX];  /* their positions */
+    float slack_mm[PLACEMENT_POINTS_MAX]; /* distance of each point behind the clay */
     tool with;
-    int tool, tool_shift; /* the parameter in the last frame; steps by the pedal */
+    int tool, tool_shift; /* the parameter in the previous frame; steps by the pedal */
 };
 
 static mrt_plugin *create(const mrt_host *host)
@@ -79,7 +80,7 @@ static tool tool_now(mrt_plugin *self, const mrt_frame *frame)
     return (tool)((chosen + self->tool_shift) % TOOL_COUNT);
 }
 
-/* Out of the face at p: as on an ellipsoid that fills its bounds. */
+/* Returns the direction out of the face at p, as on an ellipsoid that fills its bounds. */
 static mrt_vec3 outward(const mrt_plugin *self, mrt_vec3 p)
 {
     mrt_vec3 c = self->centre, h = self->half;
@@ -90,8 +91,8 @@ static mrt_vec3 outward(const mrt_plugin *self, mrt_vec3 p)
     return (mrt_vec3){n.x / length, n.y / length, n.z / length};
 }
 
-/* How far a tool goes that moves by `way_mm` its own way: like a finger in clay it must first come
- * back to where the clay has already given way. */
+/* Returns the effective movement of a tool that moves by `way_mm` in its working direction. Like a
+ * finger in clay, it must first return to the depth that the clay already has. */
 static float advance(float *slack_mm, float way_mm)
 {
     float beyond = way_mm - *slack_mm;
@@ -99,7 +100,7 @@ static float advance(float *slack_mm, float way_mm)
     return beyond < 0.0f ? 0.0f : beyond;
 }
 
-/* What of a point's way does something. Into or out of the face: straight. */
+/* Returns the effective part of a point's movement. Into or out of the face: straight. */
 static mrt_vec3 stroke(mrt_plugin *self, uint32_t i, mrt_vec3 way)
 {
     mrt_vec3 n = outward(self, self->hand[i]);
@@ -113,7 +114,8 @@ static mrt_vec3 stroke(mrt_plugin *self, uint32_t i, mrt_vec3 way)
     return vec_scaled(done, n);
 }
 
-/* Each tool works where its point of the hand is, so one that slips never drifts away from it. */
+/* Each tool works at its point of the hand, so a tool that slips does not drift away from the
+ * hand. */
 static void work(mrt_plugin *self, mrt_pull *pull, const mrt_vec3 *point, float strength)
 {
     for (uint32_t i = 0; i < self->count; ++i) {
@@ -126,7 +128,7 @@ static void work(mrt_plugin *self, mrt_pull *pull, const mrt_vec3 *point, float 
     pull->count = self->count;
 }
 
-/* Whoever touches, and with what: new ones begin where they are, and move nothing. */
+/* Starts new touches where the hand is: a new hand or tool does not move the face. */
 static void touch(mrt_plugin *self, uint32_t count, uint32_t who, tool with, const mrt_vec3 *point)
 {
     bool is_same_hand = count == self->count && who == self->who;
@@ -139,7 +141,7 @@ static void touch(mrt_plugin *self, uint32_t count, uint32_t who, tool with, con
     self->with = with;
 }
 
-/* Mean speed of the points that touch, in heights of the face. */
+/* Returns the mean speed of the touching points, in heights of the face. */
 static double heights_per_s(const mrt_plugin *self, const mrt_vec3 *point, double dt_s)
 {
     double sum_mm = 0.0;
@@ -224,17 +226,18 @@ static const char *const tool_labels[] = {"Push", "Pull", "Smooth", "Grab", NULL
 static const mrt_param params[PARAM_COUNT] = {
     PLACEMENT_PARAMS_WITH(1, 1, 85, 78, 80, 50, 0),
     {12, MRT_PARAM_STEPPED, "Tool", "Tool", "",
-     "Push: only motion into the face counts, deeper than before. Pull: only out of it. Smooth: the face eases back "
-     "while the hand moves near it. Grab: all motion.", 0, TOOL_COUNT - 1, 0, tool_labels},
-    {13, MRT_PARAM_STEPPED, "Tool pedal", "Tool", "", "Pedal that takes the next tool.",
+     "Push: only deeper motion into the face. Pull: only out of it. "
+     "Smooth: ease back near the moving hand. Grab: all motion.",
+     0, TOOL_COUNT - 1, 0, tool_labels},
+    {13, MRT_PARAM_STEPPED, "Tool pedal", "Tool", "", "Pedal that selects the next tool.",
      0, 4, 0, clutch_pedal_labels},
     {14, 0, "Radius", "Tool", "%",
      "Support radius of each point, in per cent of the face's height.", 2, 200, 30, NULL},
     {15, 0, "Strength", "Tool", "%",
-     "How much of the hand's motion the clay follows; when smoothing, how fast it eases back.",
+     "Share of the hand's motion that the clay follows; when smoothing, speed of easing back.",
      0, 200, 80, NULL},
     {16, 0, "Leak", "Tool", "s",
-     "Time in which the shape eases back to its base by itself; 0: never, as clay.",
+     "Time in which the shape eases back to its base by itself. 0: never, like clay.",
      0, 60, 0, NULL},
     CLUTCH_PARAMS,
 };

@@ -1,5 +1,5 @@
-/* template_name: a hand that opens and closes for ten seconds. An input for marotte: README.md says
- * how to build and try it, marotte/plugin.h is the whole contract. */
+/* template_name: a hand that opens and closes for ten seconds. An input for marotte: README.md
+ * explains how to build and try it, marotte/plugin.h is the whole contract. */
 #include <marotte/plugin.h>
 
 #include <stdlib.h>
@@ -9,7 +9,7 @@ enum { SECONDS, HAND, PARAM_COUNT }; /* the order of the table of parameters bel
 enum { CHANNELS = 8, PERIOD_NS = 10000000 };
 static const int64_t CYCLE_NS = 2000000000; /* open, closed and open again */
 
-struct mrt_plugin { /* one instance: all that it knows */
+struct mrt_plugin { /* one instance: its whole state */
     const mrt_host *host;
     mrt_channel channel[CHANNELS];
     int64_t start_ns;
@@ -37,8 +37,9 @@ static mrt_result open_hand(mrt_plugin *self, const char *address, const double 
                                                "middle.pij", "ring.mpj",  "ring.pij",
                                                "little.mpj", "little.pij"};
     if (address && address[0]) {
-        self->host->log(self->host, MRT_LOG_ERROR, "has no address: write --input template_name");
-        return MRT_ERR_ARGUMENT; /* explained above, as every error is */
+        self->host->log(self->host, MRT_LOG_ERROR,
+                        "this input takes no address: write --input template_name");
+        return MRT_ERR_ARGUMENT; /* open_hand has logged the reason, as for every error */
     }
     uint32_t hand = params[HAND] < 0.5 ? (uint32_t)MRT_LEFT : (uint32_t)MRT_RIGHT;
     for (uint32_t i = 0; i < CHANNELS; ++i) {
@@ -55,7 +56,8 @@ static const mrt_channel *channels(mrt_plugin *self, uint32_t *out_count) /* [ma
     return self->channel;
 }
 
-/* [input] The next sample at its time, or news. Waits through the host, never past the deadline. */
+/* [input] Returns the next sample at its time, or an event. Waits through the host, never past the
+ * deadline. */
 static mrt_result read_hand(mrt_plugin *self, const double *params, int64_t deadline_ns,
                             mrt_sample *out)
 {
@@ -95,12 +97,13 @@ static void close_hand(mrt_plugin *self) /* as open */
 static const char *const hand_labels[] = {"Left", "Right", NULL};
 static const mrt_param params[PARAM_COUNT] = {
     /* id (for ever), flags, name, group, unit, help, min, max, initial, labels */
-    {1, 0, "Seconds", "Hand", "s", "How long it goes on.", 0, 3600, 10, NULL},
-    {2, MRT_PARAM_STEPPED, "Hand", "Hand", "", "Whose hand it is, when it is opened.",
+    {1, 0, "Seconds", "Hand", "s", "Duration of the movement.", 0, 3600, 10, NULL},
+    {2, MRT_PARAM_STEPPED, "Hand", "Hand", "",
+     "Hand that is played. Read when the input is opened.",
      MRT_LEFT, MRT_RIGHT, MRT_RIGHT, hand_labels},
 };
-/* MRT_INPUT_RECORDED: it waits through the host alone, so it may be run faster than life. The
- * input of a device gives 0 here. */
+/* MRT_INPUT_RECORDED: it waits only through the host, so it can run faster than real time. The
+ * input of a device uses 0 here. */
 static const mrt_input input = {open_hand, channels, read_hand, close_hand, MRT_INPUT_RECORDED};
 static const mrt_interface interfaces[] = {{MRT_INPUT, &input}, {NULL, NULL}};
 static const mrt_plugin_type type = {
@@ -109,4 +112,4 @@ static const mrt_plugin_type type = {
     "A hand that opens and closes.", create, destroy};
 /* clang-format on */
 
-const mrt_plugin_type *const marotte_plugins[] = {&type, NULL}; /* the library's one symbol */
+const mrt_plugin_type *const marotte_plugins[] = {&type, NULL}; /* the only exported symbol */

@@ -1,5 +1,5 @@
 /* template_name: bending the fingers pushes the face outwards and opens its jaw. A mapping for
- * marotte: README.md says how to build and try it, marotte/plugin.h is the whole contract. */
+ * marotte: README.md explains how to build and try it, marotte/plugin.h is the whole contract. */
 #include <marotte/plugin.h>
 
 #include <stdlib.h>
@@ -7,14 +7,14 @@
 
 enum { PUSH, EASE, PARAM_COUNT }; /* the order of the table of parameters below */
 
-struct mrt_plugin {       /* one instance: all that it knows */
+struct mrt_plugin {       /* one instance: its whole state */
     const mrt_face *face; /* from activate until deactivate */
-    float bend;           /* 0 a flat hand, 1 a fist: all that process() remembers */
+    float bend;           /* 0 a flat hand, 1 a fist: the only state of process() */
 };
 
 static mrt_plugin *create(const mrt_host *host) /* [main] */
 {
-    (void)host; /* host->log tells the person what went wrong */
+    (void)host; /* host->log reports errors to the user */
     return (mrt_plugin *)calloc(1, sizeof(mrt_plugin));
 }
 
@@ -54,19 +54,19 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     const mrt_face *face = self->face;
     const mrt_hand *hand = &frame->hand[frame->hand[MRT_RIGHT].present ? MRT_RIGHT : MRT_LEFT];
     if (!hand->present)
-        return MRT_HOLD; /* the face stays as it is */
+        return MRT_HOLD; /* the face does not change */
 
     /* The knuckles of four fingers; 1.5 rad each is a fist. */
     const float *angle = hand->angle;
     float bend = (angle[4] + angle[7] + angle[11] + angle[15]) / 6.0f;
-    if (frame->dt_s > 0.0) /* follows slowly, so nothing jumps when a hand appears */
+    if (frame->dt_s > 0.0) /* follows slowly, so that the face does not jump when a hand appears */
         self->bend +=
             (bend - self->bend) * (float)(frame->dt_s / (frame->params[EASE] + frame->dt_s));
     float height_mm = face->high.y - face->low.y;
     float mm = self->bend * height_mm * (float)(0.01 * frame->params[PUSH]);
 
     pull->mode = MRT_ANCHORED;
-    pull->anchor = 1; /* the starts never change, so neither does this */
+    pull->anchor = 1; /* the starts never change, so the anchor does not either */
     pull->count = 0;
     for (uint32_t i = 0; i < face->contact_count && i < MRT_MAX_VECTORS; ++i)
         push(&pull->vector[pull->count++], i + 1, face->contacts[i].rest, face->contacts[i].normal,
@@ -83,11 +83,11 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     return MRT_OK;
 }
 
-/* ---- resume: what process() remembers, so that a take can be taken up at any instant ---- */
+/* ---- resume: saves the state of process(), so that a take can be played from any time ---- */
 
 typedef struct memory {
-    char tag[32];    /* keeps the bytes of others out */
-    float bend, too; /* twice: a bit that was lost makes them differ */
+    char tag[32];    /* rejects the bytes of other plugins */
+    float bend, too; /* twice: a damaged bit makes them differ */
 } memory;
 
 static size_t save(mrt_plugin *self, void *out, size_t capacity) /* [frame] */
@@ -106,7 +106,7 @@ static mrt_result load(mrt_plugin *self, const void *bytes, size_t size) /* [fra
     memcpy(&then, bytes, sizeof then);
     const memory good = {"template_name/1", then.bend, then.bend};
     if (memcmp(&then, &good, sizeof good) != 0 || !(then.bend > -10.0f && then.bend < 10.0f))
-        return MRT_ERR_FORMAT; /* the last is also true of what is no number */
+        return MRT_ERR_FORMAT; /* the last test also rejects NaN */
     self->bend = then.bend;
     return MRT_OK;
 }
@@ -116,7 +116,8 @@ static mrt_result load(mrt_plugin *self, const void *bytes, size_t size) /* [fra
 /* clang-format off */
 static const mrt_param params[PARAM_COUNT] = {
     /* id (for ever), flags, name, group, unit, help, min, max, initial, labels */
-    {1, 0, "Push", "Face", "%", "How far a fist pushes, in per cent of the face's height.",
+    {1, 0, "Push", "Face", "%",
+     "Movement of the face for a fist, in per cent of the face's height.",
      -10, 10, 3, NULL},
     {2, 0, "Ease", "Face", "s", "Time in which the face follows the hand.", 0, 1, 0.05, NULL},
 };
@@ -130,4 +131,4 @@ static const mrt_plugin_type type = {
     "Bending the fingers pushes the face outwards and opens its jaw.", create, destroy};
 /* clang-format on */
 
-const mrt_plugin_type *const marotte_plugins[] = {&type, NULL}; /* the library's one symbol */
+const mrt_plugin_type *const marotte_plugins[] = {&type, NULL}; /* the only exported symbol */

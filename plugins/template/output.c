@@ -1,5 +1,5 @@
-/* template_name: the face as lines of text, a datagram each time that it is new. A face output for
- * marotte: README.md says how to build and try it, marotte/plugin.h is the whole contract. */
+/* template_name: the face as lines of text, one datagram per new face. A face output for marotte:
+ * README.md explains how to build and try it, marotte/plugin.h is the whole contract. */
 #include <marotte/plugin.h>
 
 #include <arpa/inet.h>
@@ -13,9 +13,9 @@
 enum { LEAST, PARAM_COUNT }; /* the order of the table of parameters below */
 enum { PORT = 9200, DATAGRAM_BYTES = 1400 };
 
-struct mrt_plugin { /* one instance: all that it knows */
+struct mrt_plugin { /* one instance: its whole state */
     const mrt_host *host;
-    const mrt_face_names *names; /* of the face that is sent; the host's until the next begin() */
+    const mrt_face_names *names; /* of the current face; the host's until the next begin() */
     int socket;                  /* -1: closed */
 };
 
@@ -43,7 +43,8 @@ static void destroy(mrt_plugin *self) /* [main] */
     free(self);
 }
 
-/* [output] The address is what follows the colon; the host opens again a second after an error. */
+/* [output] The address is the text after the colon. After an error the host opens again after a
+ * second. */
 static mrt_result open_output(mrt_plugin *self, const char *address, const double *params,
                               mrt_face_wants *wants)
 {
@@ -54,9 +55,10 @@ static mrt_result open_output(mrt_plugin *self, const char *address, const doubl
     memset(&to, 0, sizeof to);
     if ((address[0] && sscanf(address, "%63[0-9.]:%u", host, &port) != 2) || port > 65535 ||
         inet_pton(AF_INET, host, &to.sin_addr) != 1) {
-        snprintf(text, sizeof text, "\"%.60s\" is no address: write 127.0.0.1:%d", address, PORT);
+        snprintf(text, sizeof text, "\"%.60s\" is not an address: write 127.0.0.1:%d", address,
+                 PORT);
         self->host->log(self->host, MRT_LOG_ERROR, text);
-        return MRT_ERR_ARGUMENT; /* explained above, as every error is */
+        return MRT_ERR_ARGUMENT; /* open_output has logged the reason, as for every error */
     }
     to.sin_family = AF_INET;
     to.sin_port = htons((uint16_t)port);
@@ -66,8 +68,8 @@ static mrt_result open_output(mrt_plugin *self, const char *address, const doubl
         self->host->log(self->host, MRT_LOG_ERROR, text);
         return MRT_ERR_IO;
     }
-    wants->rate_hz = 60.0;  /* at most so many a second, the newest */
-    wants->repeat_s = 0.25; /* one that nothing moves is said again: somebody is still here */
+    wants->rate_hz = 60.0;  /* at most this many per second, the newest ones */
+    wants->repeat_s = 0.25; /* repeats an unchanged face: shows that the sender is running */
     return MRT_OK;
 }
 
@@ -77,8 +79,7 @@ static mrt_result begin(mrt_plugin *self, const mrt_face_names *names) /* [outpu
     return MRT_OK;
 }
 
-/* [output] "time 1.234", then a line "JawOpen 0.250" for each weight that is not next to nothing.
- */
+/* [output] Sends "time 1.234", then a line "JawOpen 0.250" for each weight that is not nearly 0. */
 static mrt_result send_face(mrt_plugin *self, const double *params, const mrt_face_sample *face)
 {
     char text[DATAGRAM_BYTES];
@@ -91,12 +92,12 @@ static mrt_result send_face(mrt_plugin *self, const double *params, const mrt_fa
             length = snprintf(text + used, sizeof text - used, "%s %.3f\n", self->names->weights[i],
                               weight);
         if (length < 0 || used + (size_t)length >= sizeof text)
-            break; /* no datagram is larger: what is left is left out */
+            break; /* leave out what exceeds one datagram */
         used += (size_t)length;
     }
     if (send(self->socket, text, used, MSG_DONTWAIT) >= 0)
         return MRT_OK;
-    return MRT_TIMEOUT; /* nobody is there who takes it: no error, they may come yet */
+    return MRT_TIMEOUT; /* no receiver: not an error, it may start later */
 }
 
 /* ---- what the host reads ---- */
@@ -104,14 +105,14 @@ static mrt_result send_face(mrt_plugin *self, const double *params, const mrt_fa
 /* clang-format off */
 static const mrt_param params[PARAM_COUNT] = {
     /* id (for ever), flags, name, group, unit, help, min, max, initial, labels */
-    {1, 0, "Least", "Content", "", "A weight below it is not said.", 0, 1, 0.01, NULL},
+    {1, 0, "Least", "Content", "", "Smallest weight that is sent.", 0, 1, 0.01, NULL},
 };
 static const mrt_face_output output = {open_output, begin, send_face, close_output};
 static const mrt_interface interfaces[] = {{MRT_FACE_OUTPUT, &output}, {NULL, NULL}};
 static const mrt_plugin_type type = {
     MRT_ABI, PARAM_COUNT, params, interfaces,
     "org.example.template_name", "template_name", "1.0",
-    "The face as lines of text, by UDP.", create, destroy};
+    "The face as lines of text over UDP.", create, destroy};
 /* clang-format on */
 
-const mrt_plugin_type *const marotte_plugins[] = {&type, NULL}; /* the library's one symbol */
+const mrt_plugin_type *const marotte_plugins[] = {&type, NULL}; /* the only exported symbol */

@@ -1,11 +1,11 @@
-/* template/template_files.h - what `marotte plugin new` writes: the files of this folder, part of
- * the program since its build. In each, "template_name" stands for the plugin's name. */
+/* template/template_files.h - the files that `marotte plugin new` writes: the files of this folder,
+ * embedded in the program. In each, "template_name" stands for the plugin's name. */
 #ifndef MAROTTE_TEMPLATE_FILES_H
 #define MAROTTE_TEMPLATE_FILES_H
 #include <stddef.h>
 
 typedef struct template_file {
-    const char *name; /* where it goes, within the plugin's folder */
+    const char *name; /* path in the plugin's folder */
     const char *bytes;
     size_t size;
 } template_file;

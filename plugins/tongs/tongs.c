@@ -1,5 +1,5 @@
-/* Thumb and index finger are tongs: closed they grip the face where they are; moving them takes it
- * along, opening them a little stretches it, opening them wide lets it go. */
+/* Mapping: thumb and index finger are tongs. Closing them grips the face where they are, moving
+ * them pulls it, opening them a little stretches it, and opening them wide lets it go. */
 #include "mapping.h"
 #include "placement.h"
 
@@ -19,26 +19,26 @@ enum {
 enum { THUMB_TIP = 4, INDEX_TIP = 8, MIDDLE_KNUCKLE = 9, TIPS_PER_HAND = 5 };
 typedef enum phase { LOOSE = 0, GRIPPING, SPRINGING } phase;
 
-/* Of the radius: the two places that are gripped are never nearer to each other, and no more is
- * stretched to either side than a quarter of what is between them. */
+/* Share of the radius: smallest distance of the two gripped points. The stretch to either side is
+ * at most a quarter of their distance. */
 static const float apart_least = 0.5f;
 
 typedef struct tips {      /* face frame, mm */
-    mrt_vec3 middle, half; /* half: from the middle to the index finger's */
-    double gap;            /* between them, in lengths of the palm */
+    mrt_vec3 middle, half; /* half: vector from the middle to the index finger's tip */
+    double gap;            /* distance of the tips, in lengths of the palm */
 } tips;
 
 struct mrt_plugin {
     placement placement;
     clutch clutch;
-    bool is_armed, is_closed; /* closed: gripping, or it would if it could */
+    bool is_armed, is_closed; /* closed: gripping, if the face allows it */
     phase phase;
-    uint32_t side; /* of the hand that grips or did; MRT_NO_HAND: none did */
+    uint32_t side; /* of the last hand that gripped; MRT_NO_HAND: none */
     bool was_there;
-    mrt_vec3 middle, half;           /* of the tips when they gripped */
-    mrt_vec3 last_middle, last_half; /* in the last frame in which they were there */
-    mrt_vec3 way[2];                 /* of the two places, when let go */
-    double sprung;                   /* 0 .. 1 of the way back */
+    mrt_vec3 middle, half;           /* of the tips at the grip */
+    mrt_vec3 last_middle, last_half; /* in the last frame with the hand */
+    mrt_vec3 way[2];                 /* displacement of the two points at release */
+    double sprung;                   /* progress of springing back, 0 .. 1 */
 };
 
 static float length(mrt_vec3 v)
@@ -46,7 +46,7 @@ static float length(mrt_vec3 v)
     return sqrtf(v.x * v.x + v.y * v.y + v.z * v.z);
 }
 
-/* v made no longer than most, smoothly, and nearly v while short. */
+/* Returns v limited to most, smoothly, and nearly v for short v. */
 static mrt_vec3 limited(mrt_vec3 v, float most)
 {
     float q = (v.x * v.x + v.y * v.y + v.z * v.z) / (most * most);
@@ -84,15 +84,15 @@ static double gap_of(const mrt_hand *hand)
     return (double)length(gap) / fmax((double)length(palm), 1.0);
 }
 
-/* points: as placement_points gave them, so many per hand that pulls. */
+/* points: from placement_points; its number of points per pulling hand. */
 static tips tips_of(const mrt_hand *hand, const mrt_vec3 *point)
 {
     mrt_vec3 half = vec_sum((mrt_vec3){0, 0, 0}, 0.5f, vec_difference(point[1], point[0]));
     return (tips){vec_sum(point[0], 1.0f, half), half, gap_of(hand)};
 }
 
-/* The tips of the hand that grips, else of the one that is the more closed. False: none is there.
- */
+/* Finds the tips of the gripping hand, else of the more closed hand. Returns false if there is
+ * none. */
 static bool find_tips(mrt_plugin *self, const mrt_frame *frame, tips *out)
 {
     mrt_vec3 point[PLACEMENT_POINTS_MAX];
@@ -115,7 +115,7 @@ static bool find_tips(mrt_plugin *self, const mrt_frame *frame, tips *out)
     return is_found;
 }
 
-/* ---- the face between them ---- */
+/* ---- the gripped face ---- */
 
 static void probe(const tips *now, mrt_pull *pull)
 {
@@ -124,7 +124,7 @@ static void probe(const tips *now, mrt_pull *pull)
     pull->mode = MRT_IDLE;
 }
 
-/* Two places beside each other, nothing moved. */
+/* Grips two neighbouring points, without a movement. */
 static void grip(mrt_plugin *self, const tips *now, mrt_pull *pull)
 {
     float least = 0.5f * apart_least * pull->radius_mm, is = length(now->half);
@@ -178,7 +178,7 @@ static void spring_back(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull
 
 /* ---- the mapping ---- */
 
-/* Closed below one gap, open beyond the other; between them they stay as they are. */
+/* Closed below one gap, open above the other; between them the state does not change. */
 static void feel(mrt_plugin *self, const tips *now, const double *params)
 {
     double close = 0.01 * params[CLOSE], open = fmax(0.01 * params[OPEN], close);
@@ -188,7 +188,7 @@ static void feel(mrt_plugin *self, const tips *now, const double *params)
         self->is_closed = false;
 }
 
-/* A hand that was away goes on where it left off: the face does not jump. */
+/* A hand that reappears continues from its last state, so the face does not jump. */
 static void remember(mrt_plugin *self, const tips *now)
 {
     if (!self->was_there) {
@@ -199,7 +199,7 @@ static void remember(mrt_plugin *self, const tips *now)
     self->last_half = now->half;
 }
 
-/* Whether it is to be gripped anew, or at all. */
+/* Applies the clutch: whether to grip again, or to release. */
 static void apply_events(mrt_plugin *self, const clutch_events *events, const double *params,
                          mrt_pull *pull)
 {
@@ -212,7 +212,7 @@ static void apply_events(mrt_plugin *self, const clutch_events *events, const do
     if (self->phase == GRIPPING && (!self->is_armed || !self->is_closed))
         let_go(self, params, pull);
     else if (events->commit && self->phase != LOOSE)
-        self->phase = LOOSE; /* what was stretched is the base now */
+        self->phase = LOOSE; /* the stretched shape is the base now */
 }
 
 static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
@@ -272,20 +272,20 @@ MEMORY_RESUME(memory_of);
 /* clang-format off */
 static const mrt_param params[PARAM_COUNT] = {
     PLACEMENT_PARAMS_WITH(0, 0, 90, 40, 92, 50, -45),
-    {12, 0, "Gain", "Pull", "", "How far the face moves when the tongs move by 1.",
+    {12, 0, "Gain", "Pull", "", "Movement of the face for a movement of 1 of the tongs.",
      0, 4, 0.8, NULL},
     {13, 0, "Radius", "Pull", "%",
-     "Support radius of each tip, in per cent of the face's height; taken when they grip.",
+     "Support radius of each tip, in per cent of the face's height. Read at each grip.",
      2, 200, 24, NULL},
     {14, 0, "Reach", "Pull", "%",
-     "Where a pull is softly stopped, in per cent of the radius.", 1, 60, 20, NULL},
-    {15, 0, "Stretch", "Pull", "", "How far the face is stretched when the tongs open by 1.",
+     "Soft limit of a pull, in per cent of the radius.", 1, 60, 20, NULL},
+    {15, 0, "Stretch", "Pull", "", "Stretch of the face when the tongs open by 1.",
      0, 4, 0.8, NULL},
     {16, 0, "Close", "Tongs", "%",
-     "They grip when the tips are nearer than this, in per cent of the palm's length.",
+     "Distance of the tips below which the tongs grip, in per cent of the palm's length.",
      5, 150, 40, NULL},
     {17, 0, "Open", "Tongs", "%",
-     "They let go when the tips are further apart than this, in per cent of the palm's length.",
+     "Distance of the tips above which the tongs let go, in per cent of the palm's length.",
      5, 200, 90, NULL},
     CLUTCH_PARAMS_WITH(1),
 };

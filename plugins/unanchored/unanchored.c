@@ -1,5 +1,5 @@
-/* The paper's unanchored mapping: wherever the fingertips are near the face they take it along,
- * each sample from where they were to where they are. What they do stays, as in clay. */
+/* The paper's unanchored mapping: fingertips near the face move the skin along, in each sample by
+ * their own movement. The change stays, as in clay. */
 #include "mapping.h"
 #include "placement.h"
 
@@ -22,8 +22,8 @@ struct mrt_plugin {
     clutch clutch;
     bool is_touching;
     uint32_t count;
-    mrt_vec3 hand[PLACEMENT_POINTS_MAX];   /* the hand's points in the last frame */
-    uint32_t leader[PLACEMENT_POINTS_MAX]; /* which of them share a place (placement_share) */
+    mrt_vec3 hand[PLACEMENT_POINTS_MAX];   /* points of the hand in the previous frame */
+    uint32_t leader[PLACEMENT_POINTS_MAX]; /* group of each point (placement_share) */
 };
 
 static mrt_plugin *create(const mrt_host *host)
@@ -48,7 +48,8 @@ static void reset(mrt_plugin *self)
     self->count = 0;
 }
 
-/* The points of the pull start where the hand is: the first frame of a touch moves nothing. */
+/* Starts the points of the pull at the hand's position: the first frame of a touch does not move
+ * the face. */
 static void touch(mrt_plugin *self, mrt_pull *pull, mrt_vec3 *point, uint32_t count)
 {
     placement_share(&self->placement, self->host, point, count, pull->radius_mm, self->leader);
@@ -61,7 +62,7 @@ static void touch(mrt_plugin *self, mrt_pull *pull, mrt_vec3 *point, uint32_t co
     self->is_touching = true;
 }
 
-/* Each point goes on from its last end by the hand's way since, times gain. */
+/* Moves each point from its last end by the hand's movement times gain. */
 static void drag(const mrt_plugin *self, mrt_pull *pull, const mrt_vec3 *point, float gain)
 {
     for (uint32_t i = 0; i < self->count; ++i) {
@@ -124,14 +125,15 @@ MEMORY_RESUME(memory_of);
 /* clang-format off */
 static const mrt_param params[PARAM_COUNT] = {
     PLACEMENT_PARAMS,
-    {12, 0, "Gain", "Pull", "", "How far the points move when the hand moves by 1.",
+    {12, 0, "Gain", "Pull", "", "Movement of the points for a movement of 1 of the hand.",
      0, 4, 0.35, NULL},
     {13, 0, "Radius", "Pull", "%",
      "Support radius of each point, in per cent of the face's height.", 2, 200, 25, NULL},
     {14, MRT_PARAM_STEPPED, "Gate", "Pull", "",
-     "Move the face only while a point is within its radius of it.", 0, 1, 1, placement_off_on_labels},
+     "Move the face only while a point is within its radius of it.",
+     0, 1, 1, placement_off_on_labels},
     {15, 0, "Leak", "Pull", "s",
-     "Time in which the shape eases back to its base; 0: never, as clay.", 0, 60, 0, NULL},
+     "Time in which the shape eases back to its base. 0: never, like clay.", 0, 60, 0, NULL},
     SOLVER_PARAMS,
     CLUTCH_PARAMS,
 };
@@ -148,7 +150,7 @@ static const mrt_plugin_type unanchored = {
     "org.marotte.unanchored",
     "Unanchored",
     "1.0",
-    "Fingertips move whatever they are near, and it stays: clay.",
+    "Fingertips move the skin near them, and it stays there like clay.",
     create,
     mapping_destroy,
 };

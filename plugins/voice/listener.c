@@ -20,7 +20,7 @@ enum { MICROPHONE_REASON = 320 };
 struct microphone {
     snd_pcm_t *pcm; /* NULL: a pipe */
     int pipe;
-    unsigned char half; /* of a frame, that came alone */
+    unsigned char half; /* first byte of a split frame */
     bool has_half;
 };
 
@@ -30,13 +30,13 @@ static bool open_pipe(microphone *self, const char *path, char out_reason[MICROP
 {
     struct stat about;
     bool is_pipe = stat(path, &about) == 0 && S_ISFIFO(about.st_mode);
-    /* to write, too: it then has a writer always, and never ends */
+    /* write access too: so the pipe always has a writer and never ends */
     self->pipe = is_pipe ? open(path, O_RDWR | O_NONBLOCK | O_CLOEXEC) : -1;
     if (self->pipe >= 0)
         return true;
     (void)snprintf(out_reason, MICROPHONE_REASON,
-                   is_pipe ? "%.100s: you may not open it"
-                           : "%.100s is no pipe: make one with mkfifo, and send sound into it: "
+                   is_pipe ? "%.100s: you have no permission to open it"
+                           : "%.100s is not a pipe: create one with mkfifo and write sound to it: "
                              "arecord -t raw -f S16_LE -r 48000 -c 1",
                    path);
     return false;
@@ -81,13 +81,12 @@ static const char *advice(int error)
     case -ENOENT:
     case -ENODEV:
     case -ENXIO:
-        return "there is no such microphone: plug it in, or see what there is with: marotte "
-               "devices";
+        return "no such microphone: plug it in, or list the devices with: marotte devices";
     case -EACCES:
     case -EPERM:
-        return "you may not open it: sudo adduser $USER audio, then log in again";
+        return "you have no permission to open it: run sudo adduser $USER audio, then log in again";
     case -EBUSY:
-        return "another program has it for itself: end that, or leave the name out";
+        return "another program uses it exclusively: close that program, or leave the name out";
     default:
         return snd_strerror(error);
     }
@@ -109,7 +108,7 @@ static bool open_pcm(microphone *self, const char *name, char out_reason[MICROPH
     return result >= 0;
 }
 
-/* A computer that was too busy, or asleep: what was said meanwhile is lost. */
+/* Recovers after the computer was too busy or asleep; the sound of that time is lost. */
 static bool recover(microphone *self, int error)
 {
     return snd_pcm_recover(self->pcm, error, 1) >= 0 && snd_pcm_start(self->pcm) >= 0;
@@ -135,8 +134,8 @@ static void close_pcm(microphone *self)
     (void)snd_pcm_close(self->pcm);
 }
 
-/* "plughw:CARD=Mic,DEV=0": the first of a card's is found without ",DEV=0", and a ',' would begin
- * parameters. */
+/* "plughw:CARD=Mic,DEV=0": the first device of a card is also found without ",DEV=0". A ',' would
+ * begin parameters. */
 static bool is_microphone(void *hint, char out_name[64], char out_about[64])
 {
     char *name = snd_device_name_get_hint(hint, "NAME");
@@ -159,7 +158,7 @@ static bool is_microphone(void *hint, char out_name[64], char out_about[64])
     return is_one;
 }
 
-/* ALSA would try 32 cards, each second. */
+/* Avoids that ALSA tries 32 cards every second. */
 static bool has_sound(void)
 {
     return access("/dev/snd", F_OK) == 0;
@@ -194,7 +193,7 @@ static bool open_pcm(microphone *self, const char *name, char out_reason[MICROPH
 {
     (void)self;
     (void)snprintf(out_reason, MICROPHONE_REASON,
-                   "%.100s: marotte was built without libasound2-dev, only pipes can be heard",
+                   "%.100s: marotte was built without libasound2-dev and can only read pipes",
                    name);
     return false;
 }
@@ -241,7 +240,7 @@ static void microphone_close(microphone *self)
     free(self);
 }
 
-/* NULL: out_reason says why. */
+/* Returns NULL on failure, with the reason in out_reason. */
 static microphone *microphone_open(const char *address, char out_reason[MICROPHONE_REASON])
 {
     microphone *self = calloc(1, sizeof *self);
@@ -256,19 +255,19 @@ static microphone *microphone_open(const char *address, char out_reason[MICROPHO
     return NULL;
 }
 
-/* Waits until there is something to read, or span_ns have passed; false: it is gone. */
+/* Waits at most span_ns for sound. Returns false if the source was lost. */
 static bool microphone_wait(microphone *self, int64_t span_ns)
 {
     return self->pcm ? wait_pcm(self, span_ns) : device_wait(self->pipe, span_ns) >= 0;
 }
 
-/* How many frames have come, without waiting: 0 none; -1: it is gone. */
+/* Returns the number of frames read, without waiting; 0: none; -1: the source was lost. */
 static int microphone_read(microphone *self, int16_t *out, uint32_t capacity)
 {
     return self->pcm ? read_pcm(self, out, capacity) : read_pipe(self, out, capacity);
 }
 
-/* ---- heard in time ---- */
+/* ---- reading in time ---- */
 
 static void stop(listener *self)
 {
@@ -299,7 +298,8 @@ mrt_result listener_open(listener *self, const char *address, const char *called
 
 static mrt_result lose(listener *self)
 {
-    device_say(self->host, MRT_LOG_ERROR, "%.100s went away: plug it in again", self->device.name);
+    device_say(self->host, MRT_LOG_ERROR, "%.100s was disconnected: plug it in again",
+               self->device.name);
     self->has_told_loss = true;
     stop(self);
     return MRT_ERR_IO;

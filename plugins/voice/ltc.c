@@ -1,4 +1,4 @@
-/* org.marotte.ltc: linear time code from a sound input: a clock that takes are laid on. */
+/* org.marotte.ltc: linear time code from a sound input, as a clock for takes. */
 #include "listener.h"
 #include "ltc_decode.h"
 
@@ -35,7 +35,8 @@ static const mrt_channel *input_channels(mrt_plugin *self, uint32_t *out_count)
     return channels;
 }
 
-/* As of the end of what was heard: of two inputs the one that lies behind would be late. */
+/* Extrapolated to the end of the received sound; otherwise the slower of two inputs would be
+ * late. */
 static void give(mrt_plugin *self, const ltc_frame *frame, mrt_sample *out)
 {
     const double heard = (double)(self->decoder.sample + self->block_size - self->block_at);
@@ -47,7 +48,7 @@ static void give(mrt_plugin *self, const ltc_frame *frame, mrt_sample *out)
     out->value[1] = (float)(frame->is_drop ? -frame->rate : frame->rate);
 }
 
-/* True: a frame of it has ended. */
+/* Returns true if a frame of time code ended. */
 static bool decode(mrt_plugin *self, mrt_sample *out)
 {
     ltc_frame frame;
@@ -101,8 +102,8 @@ static const mrt_plugin_type type = {
     "org.marotte.ltc",
     "LTC",
     MAROTTE_VERSION,
-    "Linear time code (LTC, SMPTE 12M) from a sound input: the clock of takes (ltc, ltc:hw:1), or "
-    "from a pipe with sound in it (ltc:./pipe)",
+    "Linear time code (LTC, SMPTE 12M) as the clock of takes, from a sound input (ltc, ltc:hw:1) "
+    "or a pipe with sound (ltc:./pipe)",
     create,
     listener_destroy,
 };

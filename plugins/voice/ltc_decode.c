@@ -4,7 +4,8 @@
 #include <string.h>
 
 enum { BITS = 80, SYNC = 0xbffc /* bits 64 to 79, the first one lowest */ };
-/* Frames in a row before their rate is told, and of which the mean is taken at most. */
+/* Consecutive frames before their rate is reported, and maximum number of frames in the mean
+ * length. */
 enum { RATE_AFTER = 8, MEAN_OF = 50 };
 static const double slowest_fps = 12.0, fastest_fps = 60.0;
 static const double rates[] = {24000.0 / 1001.0, 24.0, 25.0, 30000.0 / 1001.0, 30.0};
@@ -14,10 +15,10 @@ void ltc_decoder_init(ltc_decoder *self, double sample_rate_hz)
     *self = (ltc_decoder){.sample_rate_hz = sample_rate_hz, .frame_end = -1.0};
 }
 
-/* ---- from sound to crossings ---- */
+/* ---- from sound to zero crossings ---- */
 
-/* The middle of what the sound lately swung between; it crosses with a tenth of the swing to spare.
- */
+/* The threshold is the middle of the sound's recent range, with a hysteresis of a tenth of the
+ * range. */
 static bool find_crossing(ltc_decoder *self, double sample, double *out_at)
 {
     const double decay = 1.0 - 60.0 / self->sample_rate_hz;
@@ -55,7 +56,8 @@ static void push(ltc_decoder *self, bool bit)
     self->has_half = false;
 }
 
-/* A cell without a crossing in it is 0, one with is 1. Returns whether a bit is complete. */
+/* A cell without a crossing inside is 0, a cell with one is 1. Returns true if a bit is
+ * complete. */
 static bool take_span(ltc_decoder *self, double span)
 {
     const double longest = self->sample_rate_hz / (slowest_fps * BITS);

@@ -1,9 +1,8 @@
-/* org.marotte.voice: how loud the performer speaks, as a channel that a patch lays on a jaw. The
- * sound itself is not kept here: a take records it with --sound.
- *
- *   level = (20 log10(r) + 60) / 60, within 0 and 1
- * where r is the root mean square of the last WINDOW, full scale being 1: 0 at -60 dB or less,
- * 1 at full scale; speech close to a microphone is some 0.5 to 0.8, with pauses below 0.3. */
+/* org.marotte.voice: the loudness of the performer's voice, as a channel that a patch connects to a
+ * jaw. The sound itself is not stored here: a take records it with --sound.
+ * level = (20 log10(r) + 60) / 60, limited to 0..1, where r is the root mean square of the last
+ * WINDOW, full scale being 1: 0 at -60 dB or less, 1 at full scale. Speech close to a microphone is
+ * about 0.5 to 0.8, with pauses below 0.3. */
 #include "listener.h"
 
 #include <math.h>
@@ -112,7 +111,7 @@ static const mrt_plugin_type type = {
     "org.marotte.voice",
     "Voice",
     MAROTTE_VERSION,
-    "How loud you speak: a microphone (voice, voice:hw:1), or a pipe with sound in it "
+    "Loudness of your voice, from a microphone (voice, voice:hw:1) or a pipe with sound "
     "(voice:./pipe)",
     create,
     listener_destroy,

@@ -1,7 +1,8 @@
 /* vts.c - the plugin "org.marotte.vts": the face as parameters of VTube Studio, by its public API
- * over WebSocket: a token is asked for once, which the person allows there, and kept; parameters
- * are made for ARKit's 52; then values are injected, of names that it has alone: one that it does
- * not know would stop all. Connects again each second while nobody answers. */
+ * over WebSocket. It requests a token once, which the user allows in VTube Studio, and stores it.
+ * Then it creates parameters for ARKit's 52 shapes and sends values. It only sends names that VTube
+ * Studio knows, because an unknown name would make the whole request fail. It reconnects every
+ * second while VTube Studio does not answer. */
 #include "websocket.h"
 #include "device_io.h"
 #include "udp.h"
@@ -23,18 +24,18 @@ static const int64_t again_ns = 1000000000, stuck_ns = 5000000000;
 
 typedef enum stage {
     STAGE_AWAY = 0,
-    STAGE_TOKEN, /* it was asked for: somebody must allow it there */
-    STAGE_LOGIN, /* the token was shown */
-    STAGE_LIST,  /* its parameters were asked for */
+    STAGE_TOKEN, /* requested: the user must allow it in VTube Studio */
+    STAGE_LOGIN, /* token sent */
+    STAGE_LIST,  /* list of parameters requested */
     STAGE_READY
 } stage;
 
 typedef struct parameter {
     char name[40];
-    uint32_t weight;      /* index; of its own */
+    uint32_t weight;      /* index in the weights of the face */
     double low, high, by; /* value = weight * by, within */
-    bool is_own;          /* made by this plugin */
-    bool is_known;        /* it has it */
+    bool is_own;          /* created by this plugin */
+    bool is_known;        /* VTube Studio has it */
 } parameter;
 
 struct mrt_plugin {
@@ -44,15 +45,15 @@ struct mrt_plugin {
     char host_name[UDP_HOST], token[128], token_path[PATH_BYTES];
     uint16_t port;
     int64_t tried_ns, idle_ns;
-    bool is_told; /* that somebody must allow it */
+    bool is_told; /* the warning that the user must allow it */
     const mrt_face_names *names;
     parameter parameter[PARAMETERS];
     uint32_t count;
 };
 
-/* ---- what is sent ---- */
+/* ---- values to send ---- */
 
-/* Those that VTube Studio has itself, of ARKit's and of turns. */
+/* VTube Studio's own parameters, from ARKit's shapes and from rotations. */
 static const struct {
     const char *name, *weight;
     double by, low, high;
@@ -98,7 +99,7 @@ static void list_parameters(mrt_plugin *self)
     }
 }
 
-/* An eye is open as far as it is not closed. */
+/* The openness of an eye is 1 minus its closure. */
 static double value_of(const parameter *p, const mrt_face_sample *sample)
 {
     double weight = (double)sample->weights[p->weight];
@@ -124,14 +125,13 @@ static json_t *who(void)
     return json_pack("{s:s, s:s}", "pluginName", plugin_name, "pluginDeveloper", developer);
 }
 
-static void ask_for_token(mrt_plugin *self)
+static void request_token(mrt_plugin *self)
 {
     self->token[0] = '\0';
     self->stage = STAGE_TOKEN;
     (void)ask(self, "AuthenticationTokenRequest", who());
     if (!self->is_told)
-        device_say(self->host, MRT_LOG_WARNING,
-                   "VTube Studio asks there whether marotte may: allow it");
+        device_say(self->host, MRT_LOG_WARNING, "allow marotte in the dialog of VTube Studio");
     self->is_told = true;
 }
 
@@ -140,7 +140,7 @@ static void log_in(mrt_plugin *self)
     json_t *data = who();
     if (!self->token[0]) {
         json_decref(data);
-        ask_for_token(self);
+        request_token(self);
         return;
     }
     json_object_set_new(data, "authenticationToken", json_string(self->token));
@@ -184,7 +184,7 @@ static void inject(mrt_plugin *self, const mrt_face_sample *sample)
         json_pack("{s:b, s:s, s:o}", "faceFound", 1, "mode", "set", "parameterValues", values));
 }
 
-/* ---- the token, kept ---- */
+/* ---- storing the token ---- */
 
 static void read_token(mrt_plugin *self)
 {
@@ -196,7 +196,7 @@ static void read_token(mrt_plugin *self)
     self->token[strcspn(self->token, "\r\n")] = '\0';
 }
 
-/* For this person's eyes alone. */
+/* Readable only by the user. */
 static void keep_token(mrt_plugin *self)
 {
     int fd = self->token_path[0]
@@ -205,12 +205,12 @@ static void keep_token(mrt_plugin *self)
     size_t size = strlen(self->token);
     if (fd < 0 || write(fd, self->token, size) != (ssize_t)size)
         device_say(self->host, MRT_LOG_WARNING,
-                   "the token could not be kept: VTube Studio will ask again next time");
+                   "cannot store the token: VTube Studio will ask again next time");
     if (fd >= 0)
         (void)close(fd);
 }
 
-/* ---- what is heard ---- */
+/* ---- received messages ---- */
 
 static parameter *find(mrt_plugin *self, const char *name)
 {
@@ -254,10 +254,9 @@ static void hear_error(mrt_plugin *self, const char *of)
     if (!of)
         return;
     if (strcmp(of, "AuthenticationTokenRequest") == 0)
-        websocket_close(
-            &self->socket); /* it was not allowed: asked again when it is connected anew */
+        websocket_close(&self->socket); /* not allowed: request it again after reconnecting */
     else if (strcmp(of, "InjectParameterDataRequest") == 0)
-        ask_for_list(self); /* one of them is gone */
+        ask_for_list(self); /* a parameter was removed */
 }
 
 static void hear(mrt_plugin *self, const char *text)
@@ -273,7 +272,7 @@ static void hear(mrt_plugin *self, const char *text)
         if (json_is_true(json_object_get(data, "authenticated")))
             ask_for_list(self);
         else
-            ask_for_token(self);
+            request_token(self);
     } else if (strcmp(type, "InputParameterListResponse") == 0) {
         hear_list(self, data);
     } else if (strcmp(type, "ParameterCreationResponse") == 0) {
@@ -321,12 +320,13 @@ static mrt_result open_output(mrt_plugin *self, const char *address, const doubl
     self->port = PORT;
     if (address[0] && !udp_address_parse(self->host_name, &self->port, address, strlen(address))) {
         device_say(self->host, MRT_LOG_ERROR,
-                   "\"%.100s\" is no address: expected HOST:PORT, as in 192.168.1.20:%d", address,
-                   PORT);
+                   "\"%.100s\" is not an address: expected HOST:PORT, as in 192.168.1.20:%d",
+                   address, PORT);
         return MRT_ERR_ARGUMENT;
     }
     wants->rate_hz = params[RATE];
-    wants->repeat_s = 0.1; /* after a second without any, it takes the face back */
+    wants->repeat_s =
+        0.1; /* after a second without values, VTube Studio takes control of the face again */
     self->tried_ns = 0;
     self->is_told = false;
     self->token[0] = '\0';
@@ -366,7 +366,7 @@ static void go_on(mrt_plugin *self)
     for (const char *text = websocket_take(&self->socket); text;
          text = websocket_take(&self->socket))
         hear(self, text);
-    (void)websocket_go_on(&self->socket); /* what it answers, pongs too, must not cost a face */
+    (void)websocket_go_on(&self->socket); /* its answers and pongs must not delay a face */
 }
 
 static mrt_result send_face(mrt_plugin *self, const double *params, const mrt_face_sample *sample)
@@ -390,10 +390,10 @@ static void close_output(mrt_plugin *self)
 static const char *const off_on[] = {"off", "on", NULL};
 static const mrt_param params[PARAM_COUNT] = {
     [RATE] = {1, 0, "Rate", "Network", "Hz",
-              "At most so many faces a second; from the next opening on", 1, 120, 60, NULL},
+              "Largest number of faces per second. Used when the output is opened again", 1, 120,
+              60, NULL},
     [FORGET] = {2, MRT_PARAM_STEPPED, "Ask again", "Network", "",
-                "The token that was kept is not used: VTube Studio asks once more", 0, 1, 0,
-                off_on},
+                "Ignore the stored token, so that VTube Studio asks again", 0, 1, 0, off_on},
 };
 static const mrt_face_output output = {open_output, begin, send_face, close_output};
 static const mrt_interface interfaces[] = {{MRT_FACE_OUTPUT, &output}, {NULL, NULL}};
@@ -405,7 +405,7 @@ static const mrt_plugin_type type = {
     "org.marotte.vts",
     "VTube Studio",
     MAROTTE_VERSION,
-    "The face as parameters of VTube Studio, by its API over WebSocket",
+    "The face as parameters of VTube Studio, through its WebSocket API",
     create,
     destroy,
 };

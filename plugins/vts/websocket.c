@@ -45,14 +45,14 @@ void websocket_close(websocket *self)
     self->in_size = self->out_size = 0;
 }
 
-/* Masks and keys need not be secret, only different. */
+/* Random masks and keys need not be secret, only different. */
 static uint32_t some(websocket *self)
 {
     self->seed = self->seed * 6364136223846793005u + 1442695040888963407u;
     return (uint32_t)(self->seed >> 32);
 }
 
-/* ---- begun ---- */
+/* ---- connecting ---- */
 
 bool websocket_connect(websocket *self, const char *host, uint16_t port)
 {
@@ -132,7 +132,7 @@ static void drop(websocket *self, size_t size)
     self->in_size -= size;
 }
 
-/* False: it is no WebSocket. */
+/* Returns false if the answer is not a WebSocket upgrade. */
 static bool read_upgrade(websocket *self)
 {
     self->in[self->in_size] = '\0';
@@ -220,7 +220,8 @@ bool websocket_say(websocket *self, const char *text, size_t size)
     return self->state == WEBSOCKET_OPEN && put_frame(self, WEB_TEXT, text, size);
 }
 
-/* The frame at the front; false: it is not whole yet, or (*out_broken) it can be none. */
+/* Reads the frame at the front of the buffer. Returns false if it is incomplete or (*out_broken)
+ * invalid. */
 static bool look(const websocket *self, size_t *out_head, size_t *out_size, bool *out_broken)
 {
     const unsigned char *in = self->in;
@@ -235,7 +236,7 @@ static bool look(const websocket *self, size_t *out_head, size_t *out_size, bool
         size = 0;
     for (int i = 0; i < bytes; ++i)
         size = size << 8 | in[head++];
-    /* Whole texts alone, not masked: none of the programs that are meant does otherwise. */
+    /* Only unfragmented texts without a mask, which is all that the supported programs send. */
     *out_broken = size > WEBSOCKET_MESSAGE || (in[1] & 0x80u) || !(in[0] & 0x80u);
     *out_head = head;
     *out_size = (size_t)size;

@@ -133,7 +133,7 @@ static void opening_is_given_up_when_the_person_says_so(void **state)
     begin(&self, OPTIONS("--nature", "mute"));
     assert_true(input_create_stoppable(&self.input, self.type, self.child.address, "", CLOCK_REAL,
                                        self.log, &stop, &err) < 0);
-    assert_non_null(strstr(err.text, "given up"));
+    assert_non_null(strstr(err.text, "cancelled"));
     end(&self);
 }
 

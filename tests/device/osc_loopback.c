@@ -454,7 +454,7 @@ static void an_output_that_nobody_hears_says_so_once(void **state)
     for (uint32_t i = 0; i < 100; ++i)
         write_as(w, "glove", i, 0);
     assert_int_equal(w->out->said[MRT_LOG_WARNING], 1);
-    assert_non_null(strstr(w->out->last_text, "nobody listens"));
+    assert_non_null(strstr(w->out->last_text, "no program listens"));
     mrt_sample sample = {.count = 3, .value = {NAN}};
     assert_int_equal(w->out->output->write(w->out->plugin, "glove", glove, &sample),
                      MRT_ERR_ARGUMENT);

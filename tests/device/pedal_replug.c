@@ -17,7 +17,7 @@ static void expect_loss(pedal_bench *bench)
 {
     mrt_sample sample;
     assert_int_equal(bench_read(bench, 2000 * BENCH_MS, &sample), MRT_ERR_IO);
-    assert_true(bench_has_said(bench, "went away"));
+    assert_true(bench_has_said(bench, "was disconnected"));
     assert_true(bench_has_said(bench, "plug it in again"));
 }
 

@@ -90,7 +90,7 @@ static void a_pedal_comes_back_by_itself(void **state)
     pedal_unit_unplug(unit, EPROTO);
     wait_for_switch(&room, 0);
     input_incident went = wait_for_incident(&room, INPUT_WAS_LOST);
-    assert_non_null(strstr(went.text, "went away"));
+    assert_non_null(strstr(went.text, "was disconnected"));
     unit = pedal_double_plug(*state, "1-2", 3, &VEC);
     wait_for_incident(&room, INPUT_IS_BACK);
     REPORT(unit, 1, 0); /* umockdev may lose it once more: it mistakes files of two threads */

@@ -86,7 +86,7 @@ move_face() {
 }
 perform "phone:$port" full.json phone.marotte move_face
 again phone full.json
-refused 1 'no port' "$MAROTTE" perform --face "$puppet" --map one_hand --input phone:waldo
+refused 1 'is not a port' "$MAROTTE" perform --face "$puppet" --map one_hand --input phone:waldo
 refused 1 'plug it in' "$MAROTTE" perform --face "$puppet" --map one_hand --input midi:/dev/snd/nowhere
 refused 1 'plug' "$MAROTTE" perform --face "$puppet" --map one_hand --input gamepad:7
 

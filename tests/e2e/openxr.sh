@@ -20,8 +20,8 @@ perform() { # words
 
 for mode in good crash; do
     export MAROTTE_TEST_OPENXR=$mode
-    perform "$([ $mode = good ] && echo 'hands come from' || echo 'has crashed')"
-    [ "$(grep -c 'has crashed' stderr)" -eq "$([ $mode = crash ] && echo 1 || echo 0)" ] ||
+    perform "$([ $mode = good ] && echo 'hands come from' || echo 'runtime crashed')"
+    [ "$(grep -c 'runtime crashed' stderr)" -eq "$([ $mode = crash ] && echo 1 || echo 0)" ] ||
         fail "a crash is one sentence: $(cat stderr)"
     for again in 1 2; do
         "$MAROTTE" take export taken.marotte last --export $mode.$again.pc2 >said 2>stderr || fail "$mode: $(cat stderr)"
@@ -31,5 +31,5 @@ done
 
 "$MAROTTE" devices >said 2>&1 || fail "devices: $(cat said)"
 grep -q 'openxr' said || fail "the runtime is not listed: $(cat said)"
-refused 1 'no addresses' "$MAROTTE" perform --face "$puppet" --map one_hand --input openxr:waldo
+refused 1 'takes no address' "$MAROTTE" perform --face "$puppet" --map one_hand --input openxr:waldo
 finish

@@ -17,7 +17,7 @@ refused 2 'expected SHOW TAKE' "$MAROTTE" take play "$show"
 "${perform[@]}" --output vmc:nowhere.invalid:1 --output vmc:here --output "vmc:127.0.0.1:$port" --record "$show" >said 2>stderr ||
     fail "bad places end a performance: $(cat stderr)"
 grep -q 'vmc:nowhere.invalid:1: failed: ' said || fail "$(cat said)"
-grep -q 'vmc:here: failed: "here" is no address to send to' said || fail "$(cat said)"
+grep -q 'vmc:here: failed: "here" is not an address to send to' said || fail "$(cat said)"
 [ "$(grep -c 'Trying again every second' stderr)" -eq 2 ] || fail "not one line each: $(cat stderr)"
 "$MAROTTE" take play "$show" last --output vmc:here --in 5 >said 2>stderr && fail "--in beyond the take"
 grep -q 'is not a range of take' stderr || fail "$(cat stderr)"

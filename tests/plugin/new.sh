@@ -70,7 +70,7 @@ cmp "$scratch/now.csv" "$scratch/then.csv" || fail "plugins/template/input.csv i
 "$MAROTTE" perform --face puppet --input my_input/build/my_input.so,seconds=0.2,hand=left \
     --map anchored --realtime --json >"$scratch/live" 2>&1 || fail "the input in real time"
 grep -q '"samples": 21' "$scratch/live" || fail "0.2 s at 100 Hz: $(grep samples "$scratch/live")"
-refused 1 "has no address" "$MAROTTE" perform --face puppet --input my_input/build/my_input.so:x --map one_hand
+refused 1 "takes no address" "$MAROTTE" perform --face puppet --input my_input/build/my_input.so:x --map one_hand
 
 # ---- the output says the face that is performed, to whoever listens ----
 "$MAROTTE" plugin new my_output --output >"$scratch/said" || fail "plugin new --output"

@@ -197,7 +197,7 @@ static void an_address_is_refused_with_a_word(void **state)
     clock_host host;
     mrt_plugin *plugin = opened(&host, two_seconds_right);
     assert_int_equal(input->open(plugin, "/dev/ttyUSB0", two_seconds_right), MRT_ERR_ARGUMENT);
-    assert_non_null(strstr(host.said, "has no address"));
+    assert_non_null(strstr(host.said, "takes no address"));
     closed(plugin);
 }
 

@@ -183,9 +183,9 @@ static void what_is_no_serial_port_is_refused(void **state)
 {
     bench *b = *state;
     assert_int_equal(open_path(b, "/dev/null"), MRT_ERR_UNSUPPORTED);
-    assert_error_says(b, "no serial port");
+    assert_error_says(b, "not a serial port");
     assert_int_equal(open_path(b, "/dev/does-not-exist"), MRT_ERR_IO);
-    assert_error_says(b, "not there");
+    assert_error_says(b, "does not exist");
     assert_int_equal(b->input->open(b->plugin, "ttyUSB0", b->params), MRT_ERR_ARGUMENT);
     assert_error_says(b, "expected serial:");
 }

@@ -150,7 +150,7 @@ static void landmarks_keep_their_unit(void **state)
     assert_float_equal(d->value[0], 0.5f, 0.0f);
     log_data_finish(d);
     assert_refused("time_s,right.index.mpj,right.index.pij\nunit,rad,rad landmarks\n0,0,0\n",
-                   "partly in rad, partly in rad landmarks");
+                   "use two units: rad and rad landmarks");
 }
 
 static void line_ends_and_a_byte_order_mark_make_no_difference(void **state)
@@ -264,8 +264,8 @@ static void headers_that_make_no_sense_are_refused(void **state)
 {
     (void)state;
     assert_refused("right.index.mpj,time_s\n0,0\n", "time_s or time_ns, not \"right.index.mpj\"");
-    assert_refused("time_s\n0\n", "no column beside the time");
-    assert_refused("time_s,pedal.1,pedal.1\n0,0,0\n", "two columns are called \"pedal.1\"");
+    assert_refused("time_s\n0\n", "no column besides the time");
+    assert_refused("time_s,pedal.1,pedal.1\n0,0,0\n", "two columns have the name \"pedal.1\"");
     assert_refused("time_s,,pedal.1\n0,0,0\n", "column 2");
     assert_refused("time_s,a_name_that_is_quite_a_bit_longer_than_allowed\n0,0\n", "39 letters");
     assert_refused("0,0\n1,0\n", "header row");
@@ -291,8 +291,8 @@ static void what_is_no_log_is_refused(void **state)
     assert_refused("Dear Sir or Madam,\nthank you\n", "expected a log");
     assert_refused("<html>\n", "expected a log");
     assert_refused("1 2 3\n4 5 6\n", "expected 30 numbers");
-    assert_refused_bytes("glTF\2\0\0\0data", 12, "no text");
-    assert_refused_bytes("\0", 1, "no text");
+    assert_refused_bytes("glTF\2\0\0\0data", 12, "not text");
+    assert_refused_bytes("\0", 1, "not text");
 }
 
 /* ---- the recordings of GraspDB14 ---- */
@@ -372,7 +372,7 @@ static void damaged_recording_lines_are_left_out(void **state)
     assert_non_null(strstr(d->first_damage, "not 10"));
     log_data_finish(d);
     d = parsed(AT("09.90") "2014 13 28 08 33 10 1 " ZEROS_10 ZEROS_10 "0 0 0\n");
-    assert_non_null(strstr(d->first_damage, "date and time"));
+    assert_non_null(strstr(d->first_damage, "date or time"));
     log_data_finish(d);
     d = parsed(AT("09.90") "2014 11 28 08 33 10 1 " ZEROS_10 ZEROS_10 "0 0 6.5\n");
     assert_non_null(strstr(d->first_damage, "angle 23"));

@@ -154,19 +154,19 @@ static void long_items_are_passed_over(void **state)
 static void bytes_that_make_no_sense_are_refused(void **state)
 {
     (void)state;
-    refused(BYTES(0x26, 0xff), "goes past the end");
+    refused(BYTES(0x26, 0xff), "longer than the descriptor");
     refused(BYTES(0xfe, 0x09, 0x00, 0x01), "long item");
     refused(BYTES(0xfe), "long item");
-    refused(BYTES(0xc0), "did not begin");
-    refused(BYTES(0xa1, 0x01), "within a collection");
-    refused(BYTES(0xb4), "not pushed");
+    refused(BYTES(0xc0), "without a beginning");
+    refused(BYTES(0xa1, 0x01), "the last collection has no end");
+    refused(BYTES(0xb4), "without a push item");
     refused(BYTES(0xa4, 0xa4, 0xa4, 0xa4, 0xa4), "more than 4");
     refused(BYTES(0x85, 0x00), "outside 1..255");
     refused(BYTES(0x86, 0x00, 0x01), "outside 1..255");
     refused(BYTES(0x75, 0x01, 0x95, 0x01, 0x81, 0x02, 0x85, 0x01), "no report number");
-    refused(BYTES(0x75, 0x08, 0x96, 0xff, 0xff, 0x81, 0x02), "longer than any");
+    refused(BYTES(0x75, 0x08, 0x96, 0xff, 0xff, 0x81, 0x02), "longer than USB allows");
     refused(BYTES(0x77, 0xff, 0xff, 0xff, 0xff, 0x97, 0xff, 0xff, 0xff, 0xff, 0x81, 0x02),
-            "longer than any");
+            "longer than USB allows");
     refused(BYTES(0x0c), "does not define");
     refused(BYTES(0xd0), "does not define");
 }

@@ -94,11 +94,11 @@ static void comments_and_empty_lines_are_allowed(void **state)
 static void what_is_no_layout_is_refused_with_its_line(void **state)
 {
     (void)state;
-    refused("", "ends before");
+    refused("", "line is missing");
     refused("{}", "line 1: expected \"marotte pedal layout 1\"");
     refused("marotte pedal layout 2\n", "line 1");
-    refused(HEAD, "without a switch");
-    refused("marotte pedal layout 1\nfield 0 0 1 unsigned 0 1 a\n", "ends before");
+    refused(HEAD, "no switches");
+    refused("marotte pedal layout 1\nfield 0 0 1 unsigned 0 1 a\n", "line is missing");
     refused(HEAD "pedal 1\n", "line 5: expected device");
     refused(HEAD "device 1234:0001 again\n", "one line");
     refused(HEAD "interface 1\n", "one line");
@@ -194,7 +194,7 @@ static void a_damaged_file_is_named_with_what_to_do(void **state)
     write_file("marotte pedal layout 1\ndevice 1234:0002 b\ninterface any\nendpoint any\n"
                "field 0 0 1 unsigned 0 1 a\n");
     assert_int_equal(layout_file_load(&back, 0x1234, 1, reason), MRT_ERR_FORMAT);
-    assert_non_null(strstr(reason, "is of device 1234:0002"));
+    assert_non_null(strstr(reason, "is for device 1234:0002"));
     static char endless[LAYOUT_TEXT_BYTES + 2];
     memset(endless, '\n', sizeof endless - 1);
     write_file(endless);
@@ -215,7 +215,7 @@ static void a_folder_or_a_pipe_in_its_place_holds_nobody_up(void **state)
     assert_int_equal(mkdir(FILE_PATH, 0700), 0);
     assert_int_equal(layout_file_load(&back, 0x1234, 1, reason), MRT_ERR_IO);
     assert_int_equal(layout_file_store(&TAUGHT, reason), MRT_ERR_IO);
-    assert_non_null(strstr(reason, "cannot be written"));
+    assert_non_null(strstr(reason, "cannot write"));
     rmdir(FILE_PATH);
 }
 

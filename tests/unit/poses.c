@@ -209,11 +209,11 @@ static void teaching_tells_the_leave_one_out_error(void **state)
     hold(&b, claw, 5);
     bench_trigger(&b, "Teach pucker");
     hold(&b, claw, 1);
-    assert_non_null(strstr(last_line(&b, &record), "Pucker, shown times: 1; show a pose twice"));
+    assert_non_null(strstr(last_line(&b, &record), "Pucker, demonstrations: 1; show a pose twice"));
     bench_trigger(&b, "Teach pucker");
     hold(&b, nearly_claw, 1);
     const char *text = last_line(&b, &record), *at = strstr(text, "leave-one-out error");
-    assert_non_null(strstr(text, "shown times: 2;"));
+    assert_non_null(strstr(text, "demonstrations: 2;"));
     assert_non_null(at);
     double near = atof(strpbrk(at, "0123456789"));
     assert_true(near < 25.0); /* the two are alike */

@@ -122,7 +122,7 @@ static void replug(scene *s, pedal_double *machine, pedal_unit *unit, const char
     wait_for_words(s, away);
     (void)snprintf(name, sizeof name, "%s_away", picture);
     check_looks(s, name);
-    assert_true(was_said(s, "went away", &level));
+    assert_true(was_said(s, "was disconnected", &level));
     assert_int_equal(level, MRT_LOG_WARNING);
     perform_on(s);
     unit = pedal_double_plug(machine, "1-2", 3, &VEC);

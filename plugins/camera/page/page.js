@@ -1,5 +1,5 @@
-/* The page: the camera's pictures go to the worker, what it finds goes to marotte; or, in a
- * headset's browser, the hands that the headset sees. The messages stand in camera_wire.h. */
+/* The page: sends the camera's pictures to the worker, and the hands that it finds to marotte. In a
+ * headset's browser it sends the hands that the headset tracks. camera_wire.h describes the messages. */
 'use strict';
 
 const at = (id) => document.getElementById(id);
@@ -7,7 +7,7 @@ const video = at('video'), canvas = at('skeleton'), startButton = at('start'), h
 const BONES = [[0, 1, 2, 3, 4], [0, 5, 6, 7, 8], [5, 9, 10, 11, 12], [9, 13, 14, 15, 16],
                [13, 17, 18, 19, 20], [0, 17]];
 
-/* ---- what is said ---- */
+/* ---- messages to the user ---- */
 
 const troubles = new Map();
 function trouble(kind, text) {
@@ -41,7 +41,7 @@ function connect() {
     startButton.disabled = !running;
     headsetButton.disabled = true;
     if (isOver) return;
-    light('link', 'bad', 'marotte is not there: start it, and open its camera');
+    light('link', 'bad', 'marotte does not answer: start it and open the input camera');
     setTimeout(connect, patience);
     patience = Math.min(2 * patience, 2000);
   };
@@ -69,7 +69,7 @@ function answered(bytes) {
 function hear(message) {
   if (message.type === 'bye') {
     isOver = true;
-    light('link', 'waits', 'another page of the camera has taken over: close this one, or load it again');
+    light('link', 'waits', 'another page is in use: close this page, or reload it to use it');
     stop();
     if (session) session.end();
     startButton.disabled = headsetButton.disabled = true;
@@ -79,8 +79,8 @@ function hear(message) {
   hasPackage = message.package;
   light('link', 'good', 'marotte is listening');
   trouble('package', hasPackage ? '' :
-    'What finds hands in pictures is not here yet. In a terminal, once:\n  marotte camera --setup\n' +
-    'This page goes on by itself when it is done.');
+    'The hand detector is not installed. Run this once in a terminal:\n  marotte camera --setup\n' +
+    'This page continues when it is installed.');
   startButton.disabled = !hasPackage || inHeadset;
   headsetButton.disabled = inHeadset;
   const hands = Math.min(Math.max(message.hands, 1), 2);
@@ -146,7 +146,7 @@ function lights(hands) {
     light(id, hands.some((hand) => hand.side === side) ? 'good' : 'off');
 }
 
-/* ---- the card: what each part of the hand does, lit as it moves ---- */
+/* ---- the card of the hand's parts; moving parts are highlighted ---- */
 
 /* Roughly the angles of plugin.h, rad, from the 21 points: only their change is used. */
 function anglesOf(world) {
@@ -202,7 +202,7 @@ function show(hands, captured) {
   recent.push({now, late: now - captured});
   while (recent[0].now < now - 2000) recent.shift();
   const lates = recent.map((one) => one.late).sort((a, b) => a - b);
-  at('figures').textContent = `${(recent.length / 2).toFixed(0)} pictures a second, ` +
+  at('figures').textContent = `${(recent.length / 2).toFixed(0)} pictures per second, ` +
     `${lates[lates.length >> 1].toFixed(0)} ms from picture to hand` +
     (trip >= 0 ? `, ${trip.toFixed(0)} ms to marotte and back` : '');
   lights(hands);
@@ -217,9 +217,9 @@ function found({data}) {
   } else if (data.failed) {
     isBusy = false;
     trouble('start', data.failed === 'webgl' ?
-      'This browser offers no WebGL, without which hands cannot be found: switch on hardware ' +
+      'This browser has no WebGL, which the hand detector needs: switch on hardware ' +
       'acceleration in its settings, or try another browser.' :
-      `Hands cannot be found: ${data.failed}`);
+      `The hand detector failed: ${data.failed}`);
     if (!isReady) stop();
   } else {
     isBusy = false;
@@ -260,7 +260,7 @@ function stop() {
 async function list() {
   const chosen = at('camera').value;
   const found = (await navigator.mediaDevices.enumerateDevices()).filter((d) => d.kind === 'videoinput');
-  at('camera').replaceChildren(new Option('the usual one', ''),
+  at('camera').replaceChildren(new Option('Default', ''),
     ...found.map((d, i) => new Option(d.label || `camera ${i + 1}`, d.deviceId)));
   at('camera').value = found.some((d) => d.deviceId === chosen) ? chosen : '';
 }
@@ -274,7 +274,7 @@ async function start() {
       video: {width: 640, height: 480, frameRate: {ideal: 60}, ...(device && {deviceId: {exact: device}})},
     });
     stream.getVideoTracks()[0].onended = () => {
-      trouble('camera', 'The camera was unplugged, or taken by another program.');
+      trouble('camera', 'The camera was unplugged, or another program uses it.');
       stop();
     };
     running = stream;
@@ -285,34 +285,34 @@ async function start() {
     if (!worker) {
       worker = new Worker('worker.js');
       worker.onmessage = found;
-      worker.onerror = (event) => found({data: {failed: event.message || 'the worker could not be loaded'}});
-      trouble('start', 'Loading what finds hands…');
+      worker.onerror = (event) => found({data: {failed: event.message || 'cannot load the worker'}});
+      trouble('start', 'Loading the hand detector…');
       worker.postMessage({start: options()});
     }
     follow(stream);
   } catch (error) {
     stop();
     trouble('camera', error.name === 'NotAllowedError' ?
-      'The browser may not use the camera: allow it beside the address, and start again.' :
-      error.name === 'NotFoundError' ? 'There is no camera: plug one in, and start again.' :
-      `The camera cannot be opened (${error.name}): does another program use it?`);
+      'The browser has no permission to use the camera: allow it next to the address bar, and start again.' :
+      error.name === 'NotFoundError' ? 'No camera found: plug one in, and start again.' :
+      `Cannot open the camera (${error.name}): does another program use it?`);
   }
 }
 
 /* ---- a headset ---- */
 
-/* MediaPipe's 21 landmarks in their order, by WebXR's names: without the metacarpals of the four
- * fingers. A joint is where its bone begins. */
+/* MediaPipe's 21 landmarks in their order, with WebXR's names; without the metacarpals of the four
+ * fingers. The position of a joint is the beginning of its bone. */
 const FINGER = ['phalanx-proximal', 'phalanx-intermediate', 'phalanx-distal', 'tip'];
 const JOINTS = ['wrist',
   ...['metacarpal', 'phalanx-proximal', 'phalanx-distal', 'tip'].map((joint) => `thumb-${joint}`),
   ...['index', 'middle', 'ring', 'pinky'].flatMap(
     (finger) => FINGER.map((joint) => `${finger}-finger-${joint}`))];
 const FRAME_MS = 1000 / 90, NO_IMAGE = new Float32Array(42);
-let session = null, inHeadset = false; // that is true from the click on
+let session = null, inHeadset = false; // inHeadset: true after the click
 
-/* From the wrist, so that no place in the room is too far off. WebXR's y is up and its z towards the
- * viewer: half a turn about z makes of it what the camera's landmarks are. null: not tracked. */
+/* Positions relative to the wrist, so that no position in the room is out of range. WebXR's y is up and
+ * its z towards the viewer: half a turn about z gives the axes of the camera's landmarks. null: not tracked. */
 function headsetHand(source, frame, space) {
   const matrices = new Float32Array(16 * JOINTS.length);
   if (!source.hand || !/^(left|right)$/.test(source.handedness)) return null;
@@ -330,7 +330,7 @@ function watch(own, space, layer, gl) {
     own.requestAnimationFrame(next);
     gl.bindFramebuffer(gl.FRAMEBUFFER, layer.framebuffer);
     gl.clear(gl.COLOR_BUFFER_BIT);
-    if (timeMs < dueMs - 1) return; // 1 ms: headsets are not that even
+    if (timeMs < dueMs - 1) return; // 1 ms: tolerance for uneven frames
     dueMs = Math.max(dueMs + FRAME_MS, timeMs);
     const hands = [...own.inputSources].map((source) => headsetHand(source, frame, space)).filter(Boolean);
     send(timeMs, hands);
@@ -358,19 +358,19 @@ async function enterHeadset(mode) {
     own.onend = leaveHeadset;
     session = own;
     const gl = document.createElement('canvas').getContext('webgl', {xrCompatible: true});
-    gl.clearColor(0, 0, 0, mode === 'immersive-ar' ? 0 : 1); // of a headset with AR the room is seen
+    gl.clearColor(0, 0, 0, mode === 'immersive-ar' ? 0 : 1); // AR shows the room
     const layer = new XRWebGLLayer(own, gl);
     await own.updateRenderState({baseLayer: layer});
     watch(own, await own.requestReferenceSpace('local'), layer, gl);
   } catch (error) {
     trouble('headset', error.name === 'NotSupportedError' ?
-      'This headset tells no browser where hands are: switch hand tracking on in its settings, and lay the controllers down.' :
-      `The headset's hands cannot be had (${error.name}): allow this page to see them, and try again.`);
+      'This headset provides no hand tracking to browsers: switch it on in its settings, and put the controllers down.' :
+      `Cannot get the headset's hands (${error.name}): allow this page to use them, and try again.`);
     own ? own.end().catch(leaveHeadset) : leaveHeadset();
   }
 }
 
-/* With the room in sight where the headset can: whoever performs looks at the face. */
+/* Uses AR if the headset supports it, so that the performer sees the room and the face. */
 async function offerHeadset() {
   for (const mode of navigator.xr ? ['immersive-ar', 'immersive-vr'] : []) {
     if (!await navigator.xr.isSessionSupported(mode).catch(() => false)) continue;
@@ -388,10 +388,10 @@ at('model').onchange = () => {
 };
 at('model').value = localStorage.getItem('model') || '1';
 document.onvisibilitychange = () => trouble('hidden', document.hidden ?
-  'This tab is hidden: the browser slows it down. Keep it in sight, in a window of its own.' : '');
+  'This tab is hidden, so the browser slows it down. Keep it visible, in a separate window.' : '');
 
 if (!window.Worker || !window.OffscreenCanvas || !navigator.mediaDevices)
-  trouble('browser', 'This browser is too old for this page: a Chromium, Firefox or Safari of the last three years will do.');
+  trouble('browser', 'This browser is too old: use a Chromium, Firefox or Safari of the last three years.');
 at('reverse').textContent = `adb reverse tcp:${location.port} tcp:${location.port}`;
 offerHeadset();
 connect();

@@ -1,9 +1,9 @@
-/* Finds hands in pictures with MediaPipe Hands, beside the page's own thread, which inference would
- * block. In:  {start: {model, hands}}, {model, hands}, {bitmap, captured}
+/* Finds hands in pictures with MediaPipe Hands, in a worker thread, so that inference does not block
+ * the page. In:  {start: {model, hands}}, {model, hands}, {bitmap, captured}
  *        Out: {ready}, {failed: why}, {captured, hands: [{side, score, world, image}], took} */
 'use strict';
 
-/* The package knows documents alone: scripts are loaded here at once, canvases are off screen. */
+/* The package needs a document. This one loads scripts synchronously and creates off-screen canvases. */
 self.window = self;
 self.document = {
   body: {
@@ -31,7 +31,7 @@ self.alert = (text) => { failed = text; };
 
 let finder = null, failed = '', captured = 0, began = 0;
 
-/* Of a picture that is not mirrored MediaPipe calls the right hand "Left". */
+/* In a picture that is not mirrored, MediaPipe labels the right hand "Left". */
 const side_of = (label) => (label === 'Left' ? 1 : 0);
 
 function tell(results) {
