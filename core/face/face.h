@@ -126,7 +126,7 @@ const float *face_shape_dofs(const face *f, uint32_t index);
  * values; NULL: 0). Contacts are pulled from where these weights bring them, so pulls add to
  * them, as to driven bones. The caller must drive the bones' part of a shape itself. A shape
  * that follows bones ignores its weight. */
-void face_ask_shapes(face *f, const float *weight);
+void face_set_least_weights(face *f, const float *weight);
 /* Offset that the shape adds at weight 1 with the bones at rest, mm: vertices by 3, in the
  * file's order. */
 void face_shape_offset(const face *f, uint32_t index, float *out);
@@ -224,7 +224,7 @@ typedef struct face_surface { /* state of the skin as shown, in both modes */
     double held_back_mm;      /* face_meter.held_back_mm */
 } face_surface;
 /* Takes some 10 ns per triangle of skin. */
-face_surface face_judge(const face *f);
+face_surface face_measure_surface(const face *f);
 /* Returns the greatest depth of a vertex below a proxy's floor as shown, mm; 0 if all are above. */
 double face_penetration_mm(const face *f);
 

@@ -48,7 +48,7 @@ typedef enum face_name_source {
 typedef struct face_weights face_weights;
 
 /* f: a face of the rig that nothing else uses during the call; it is at rest afterwards. Its rig
- * may have more poses than r (rig_poses_carry). r and m must outlive out; the face need not. */
+ * may have more poses than r (rig_poses_transfer). r and m must outlive out; the face need not. */
 CHECKED mrt_result face_weights_create(face_weights **out, face *f, const rig *r, const mesh *m,
                                        error *err);
 void face_weights_destroy(face_weights *self); /* NULL is fine */

@@ -10,19 +10,20 @@
 
 /* ---- regions: later ones win ---- */
 
-typedef struct rig_edit_says { /* values that a region sets for its vertices, see rig_region */
-    uint32_t bone;             /* RIG_NONE: the region sets only mobility */
+typedef struct rig_edit_region_values { /* values that a region sets for its vertices, see
+                                           rig_region */
+    uint32_t bone;                      /* RIG_NONE: the region sets only mobility */
     bool is_rigid;
     double weight, mobility; /* NaN: not set; both NaN for a rigid region */
-} rig_edit_says;
+} rig_edit_region_values;
 /* Appends a region without vertices. name: NULL or "" for none, else not the name of another
  * region. */
-CHECKED mrt_result rig_edit_add_region(rig *r, const char *name, const rig_edit_says *says,
+CHECKED mrt_result rig_edit_add_region(rig *r, const char *name, const rig_edit_region_values *says,
                                        uint32_t *out_index, error *err);
 CHECKED mrt_result rig_edit_remove_region(rig *r, uint32_t index, error *err);
 CHECKED mrt_result rig_edit_move_region(rig *r, uint32_t index, uint32_t to, error *err);
 CHECKED mrt_result rig_edit_name_region(rig *r, uint32_t index, const char *name, error *err);
-CHECKED mrt_result rig_edit_set_region(rig *r, uint32_t index, const rig_edit_says *says,
+CHECKED mrt_result rig_edit_set_region(rig *r, uint32_t index, const rig_edit_region_values *says,
                                        error *err);
 /* RIG_NONE if no region has this name. */
 uint32_t rig_edit_find_region(const rig *r, const char *name);
@@ -57,7 +58,7 @@ CHECKED mrt_result rig_edit_remove_contact(rig *r, uint32_t index, error *err);
 CHECKED mrt_result rig_edit_name_contact(rig *r, uint32_t index, const char *name, error *err);
 CHECKED mrt_result rig_edit_move_contact(rig *r, uint32_t index, uint32_t vertex, error *err);
 /* bone RIG_NONE: moves by the weights of its vertex. */
-CHECKED mrt_result rig_edit_ride(rig *r, uint32_t index, uint32_t bone, error *err);
+CHECKED mrt_result rig_edit_set_contact_bone(rig *r, uint32_t index, uint32_t bone, error *err);
 /* Moves the contact on the other side (NAME.r for NAME.l) to `vertex`, and links both as mirrors.
  * Creates that contact if it does not exist. */
 CHECKED mrt_result rig_edit_mirror_contact(rig *r, uint32_t index, uint32_t vertex, error *err);
@@ -79,7 +80,7 @@ CHECKED mrt_result rig_edit_name_bone(rig *r, uint32_t index, const char *name, 
 CHECKED mrt_result rig_edit_set_ball(rig *r, uint32_t index, vec3 centre, double radius_mm,
                                      error *err);
 /* parent: a bone that is listed before it, or RIG_NONE. */
-CHECKED mrt_result rig_edit_ride_bone(rig *r, uint32_t index, uint32_t parent, error *err);
+CHECKED mrt_result rig_edit_set_parent(rig *r, uint32_t index, uint32_t parent, error *err);
 
 /* Edit the turns of a ball, 1 to RIG_TURNS_MAX; the first is applied last. The turn is copied and
  * its axis becomes a unit vector. The limits lie around 0, at most half a turn away. A new turn
@@ -134,12 +135,12 @@ typedef struct rig_history rig_history;
 CHECKED mrt_result rig_history_create(rig_history **out, rig *first, error *err);
 void rig_history_destroy(rig_history *self); /* accepts NULL */
 
-const rig *rig_history_now(const rig_history *self); /* valid until the next change */
+const rig *rig_history_current(const rig_history *self); /* valid until the next change */
 uint64_t rig_history_number(const rig_history *self);
 /* Appends `changed`, a modified rig_copy of the current state, and takes ownership of it. Discards
  * states that were undone. */
 void rig_history_push(rig_history *self, rig *changed);
 /* Makes a stored state current. Returns false if it was evicted. */
-bool rig_history_go(rig_history *self, uint64_t number);
+bool rig_history_restore(rig_history *self, uint64_t number);
 
 #endif

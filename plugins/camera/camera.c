@@ -146,29 +146,29 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
     char url[CAMERA_ADDRESS];
     input_close(self);
     if (!read_address(address, &self->number)) {
-        device_say(self->host, MRT_LOG_ERROR,
+        device_log(self->host, MRT_LOG_ERROR,
                    "\"%.40s\" is not a port: expected a number from 1 to 65535", address);
         return MRT_ERR_ARGUMENT;
     }
-    if (!bare_hand_can_be_read(&self->hand))
+    if (!bare_hand_has_reader(&self->hand))
         return MRT_ERR_UNSUPPORTED;
     if (!find_token(self, token)) {
-        device_say(self->host, MRT_LOG_ERROR, "cannot get random numbers from the system");
+        device_log(self->host, MRT_LOG_ERROR, "cannot get random numbers from the system");
         return MRT_ERR_IO;
     }
     find_package(package, sizeof package);
     self->port = camera_port_open(self->number, token, package, self->host, reason);
     if (!self->port) {
-        device_say(self->host, MRT_LOG_ERROR, "%s", reason);
+        device_log(self->host, MRT_LOG_ERROR, "%s", reason);
         return MRT_ERR_IO;
     }
     begin(self, params);
     camera_port_address(self->number, token, url);
-    device_say(self->host, MRT_LOG_INFO, "open %s in a browser on this computer", url);
+    device_log(self->host, MRT_LOG_INFO, "open %s in a browser on this computer", url);
     char file[CAMERA_PATH + 16];
     (void)snprintf(file, sizeof file, "%s/hands.js", package);
     if (access(file, R_OK) != 0)
-        device_say(self->host, MRT_LOG_WARNING,
+        device_log(self->host, MRT_LOG_WARNING,
                    "the hand detector is not installed: run `marotte camera --setup` once");
     return MRT_OK;
 }
@@ -253,9 +253,9 @@ static void give_step(mrt_plugin *self, mrt_sample *out)
     const bool is_there = ++self->step == self->step_count;
     const float share = (float)self->step / (float)self->step_count;
     const int64_t gap_ns = self->to_ns - self->from_ns;
-    bare_hand_give(&self->hand,
-                   is_there ? self->to_ns : self->from_ns + gap_ns / self->step_count * self->step,
-                   out);
+    bare_hand_write_sample(
+        &self->hand,
+        is_there ? self->to_ns : self->from_ns + gap_ns / self->step_count * self->step, out);
     for (int i = 0; i < MRT_ANGLES && !is_there; ++i)
         out->value[i] = self->from[i] + share * (self->hand.reading.angle[i] - self->from[i]);
 }
@@ -279,7 +279,7 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
         if (has_waited && device_clock_ns() + ns_per_ms / 10 >= until_ns)
             return MRT_TIMEOUT;
         if (!camera_port_wait(self->port, &self->listener, until_ns, self->host)) {
-            device_say(self->host, MRT_LOG_ERROR, "port %u: %s", (unsigned)self->number,
+            device_log(self->host, MRT_LOG_ERROR, "port %u: %s", (unsigned)self->number,
                        strerror(errno));
             return MRT_ERR_IO;
         }

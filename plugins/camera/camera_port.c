@@ -244,7 +244,7 @@ static void begin_page(camera_port *self, connection *c, const web_request *requ
     self->page = (int)(c - self->connection);
     clock_map_reset(&self->clock);
     (void)send_state(self, c);
-    device_say(host, MRT_LOG_INFO, "the camera's page is connected");
+    device_log(host, MRT_LOG_INFO, "the camera's page is connected");
 }
 
 static void hear(camera_port *self, const camera_message *message, int64_t now_ns)
@@ -302,7 +302,7 @@ static void end_page(camera_port *self, connection *c, int code, int64_t now_ns,
     const unsigned char bytes[2] = {(unsigned char)(code >> 8), (unsigned char)code};
     if (self->page >= 0 && c == &self->connection[self->page]) {
         self->page = -1;
-        device_say(host, code == 1000 ? MRT_LOG_INFO : MRT_LOG_WARNING,
+        device_log(host, code == 1000 ? MRT_LOG_INFO : MRT_LOG_WARNING,
                    code == 1000 ? "the camera's page is disconnected: the hand is held"
                                 : "the camera's page sent an invalid message and was disconnected");
     }
@@ -363,7 +363,7 @@ static void receive(camera_port *self, connection *c, int64_t now_ns, const mrt_
         return;
     if (size <= 0) {
         if (c->state == PAGE && self->page >= 0 && c == &self->connection[self->page])
-            device_say(host, MRT_LOG_INFO, "the camera's page is disconnected: the hand is held");
+            device_log(host, MRT_LOG_INFO, "the camera's page is disconnected: the hand is held");
         drop(self, c);
         return;
     }

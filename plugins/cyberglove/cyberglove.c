@@ -113,30 +113,32 @@ static void report_limits(glove_drive *drive)
     const glove_settings *settings = &drive->settings;
     const char *name = drive->port.name;
     if (drive->port.latency_ms > 1)
-        glove_drive_tell(
-            drive, GLOVE_TOLD_LATENCY, MRT_LOG_WARNING,
+        glove_drive_log_once(
+            drive, GLOVE_LOGGED_LATENCY, MRT_LOG_WARNING,
             "%.60s: the serial adapter delays bytes by %u ms: run \"echo 1 | sudo tee %.100s\"",
             name, drive->port.latency_ms, drive->port.latency_file);
     if (unit->refused[0])
-        glove_drive_tell(drive, GLOVE_TOLD_REFUSED, MRT_LOG_INFO,
-                         "%.60s: this glove does not support the commands %s: continues without "
-                         "them (D time stamps, U switch, T rate, F filter)",
-                         name, unit->refused);
+        glove_drive_log_once(
+            drive, GLOVE_LOGGED_REFUSED, MRT_LOG_INFO,
+            "%.60s: this glove does not support the commands %s: continues without "
+            "them (D time stamps, U switch, T rate, F filter)",
+            name, unit->refused);
     if (unit->readiness != 3)
-        glove_drive_tell(drive,
-                         unit->readiness & 2 ? GLOVE_TOLD_READINESS
-                                             : GLOVE_TOLD_READINESS | GLOVE_TOLD_UNPLUGGED,
-                         MRT_LOG_WARNING, "%.60s: the box reports that its glove is %s", name,
-                         unit->readiness & 2 ? "not ready" : "not plugged in");
+        glove_drive_log_once(drive,
+                             unit->readiness & 2 ? GLOVE_LOGGED_READINESS
+                                                 : GLOVE_LOGGED_READINESS | GLOVE_LOGGED_UNPLUGGED,
+                             MRT_LOG_WARNING, "%.60s: the box reports that its glove is %s", name,
+                             unit->readiness & 2 ? "not ready" : "not plugged in");
     if (!unit->reported_hand && settings->hand == GLOVE_HAND_AUTO)
-        glove_drive_tell(drive, GLOVE_TOLD_HAND, MRT_LOG_WARNING,
-                         "%.60s: the glove does not report its hand: a right hand is assumed. For "
-                         "a left one set hand=left",
-                         name);
+        glove_drive_log_once(
+            drive, GLOVE_LOGGED_HAND, MRT_LOG_WARNING,
+            "%.60s: the glove does not report its hand: a right hand is assumed. For "
+            "a left one set hand=left",
+            name);
     if (unit->asked_hz > 0 && unit->asked_hz < settings->rate_hz - 0.5)
-        glove_drive_tell(drive, GLOVE_TOLD_LINE, MRT_LOG_WARNING,
-                         "%.60s: at %u baud it can send only %.0f records per second, not %.0f",
-                         name, settings->baud, unit->asked_hz, settings->rate_hz);
+        glove_drive_log_once(drive, GLOVE_LOGGED_LINE, MRT_LOG_WARNING,
+                             "%.60s: at %u baud it can send only %.0f records per second, not %.0f",
+                             name, settings->baud, unit->asked_hz, settings->rate_hz);
 }
 
 static void report_model(glove_drive *drive)
@@ -145,10 +147,10 @@ static void report_model(glove_drive *drive)
     char rate[40] = "its own rate";
     if (unit->period_ns > 0)
         snprintf(rate, sizeof rate, "%.1f Hz", 1e9 / (double)unit->period_ns);
-    glove_drive_tell(drive, 0, MRT_LOG_INFO, "%.60s: CyberGlove, %s hand, %u sensors, %s%s, %s",
-                     drive->port.name, unit->hand == MRT_LEFT ? "left" : "right",
-                     unit->sensors.count, rate, unit->is_polled ? " (polled)" : "",
-                     unit->layout.has_time ? "its own time stamps" : "times of arrival");
+    glove_drive_log_once(drive, 0, MRT_LOG_INFO, "%.60s: CyberGlove, %s hand, %u sensors, %s%s, %s",
+                         drive->port.name, unit->hand == MRT_LEFT ? "left" : "right",
+                         unit->sensors.count, rate, unit->is_polled ? " (polled)" : "",
+                         unit->layout.has_time ? "its own time stamps" : "times of arrival");
     report_limits(drive);
 }
 
@@ -164,7 +166,7 @@ static void glove_close(mrt_plugin *self)
 static mrt_result plugin_open(mrt_plugin *self, const char *address, const double *params)
 {
     glove_close(self);
-    glove_why why = {""};
+    glove_error why = {""};
     memcpy(self->opened_with, params, sizeof self->opened_with);
     self->drive.settings = settings_of(params);
     trace_open(&self->drive.trace, self->host, "cyberglove");
@@ -266,7 +268,7 @@ static void describe_device(const glove_found *port, mrt_device *out)
     glove_drive_address(port, out->address, sizeof out->address);
     snprintf(out->name, sizeof out->name, "%.50s",
              port->product[0] ? port->product : "serial port");
-    if (!glove_find_may_open(port->path)) {
+    if (!glove_find_can_open(port->path)) {
         out->state = MRT_DEVICE_DENIED;
         glove_find_advice(port->path, out->advice, sizeof out->advice);
     } else if (glove_find_holder(port->path, holder, sizeof holder)) {

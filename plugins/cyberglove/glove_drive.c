@@ -21,7 +21,7 @@ static int64_t scaled_ns(const glove_drive *self, int64_t limit_ms)
     return (int64_t)((double)(limit_ms * NS_PER_MS) * self->settings.patience);
 }
 
-void glove_drive_tell(glove_drive *self, uint32_t once, int32_t level, const char *format, ...)
+void glove_drive_log_once(glove_drive *self, uint32_t once, int32_t level, const char *format, ...)
 {
     if (self->told & once)
         return;
@@ -102,17 +102,19 @@ static void believe_status(glove_drive *self, uint8_t status)
 static void report_warnings(glove_drive *self, const glove_record *record)
 {
     if (record->is_too_fast)
-        glove_drive_tell(self, GLOVE_TOLD_TOO_FAST, MRT_LOG_WARNING,
-                         "%.60s: the glove cannot measure at this rate: lower it", self->port.name);
+        glove_drive_log_once(self, GLOVE_LOGGED_TOO_FAST, MRT_LOG_WARNING,
+                             "%.60s: the glove cannot measure at this rate: lower it",
+                             self->port.name);
     bool is_out = self->status && !(self->status & GLOVE_STATUS_IN);
     if (record->is_unplugged || is_out)
-        glove_drive_tell(self, GLOVE_TOLD_UNPLUGGED, MRT_LOG_WARNING,
-                         "%.60s: the glove is not plugged into its box", self->port.name);
+        glove_drive_log_once(self, GLOVE_LOGGED_UNPLUGGED, MRT_LOG_WARNING,
+                             "%.60s: the glove is not plugged into its box", self->port.name);
     if (self->clock.distrusts_stamps)
-        glove_drive_tell(self, GLOVE_TOLD_STAMPS, MRT_LOG_WARNING,
-                         "%.60s: the glove's time stamps do not match the computer's clock: its "
-                         "rate is used instead",
-                         self->port.name);
+        glove_drive_log_once(
+            self, GLOVE_LOGGED_STAMPS, MRT_LOG_WARNING,
+            "%.60s: the glove's time stamps do not match the computer's clock: its "
+            "rate is used instead",
+            self->port.name);
 }
 
 /* Returns false for a record that is only counted. One "not plugged in" flag is a loose contact,
@@ -156,7 +158,7 @@ static int take_bytes(glove_drive *self, int64_t until_ns)
     self->arrival_ns = self->host->now_ns(self->host);
     if (self->resume_ns == 0) {
         self->bytes_since_good += (size_t)got;
-        glove_parse_put(&self->parse, bytes, (size_t)got);
+        glove_parse_append(&self->parse, bytes, (size_t)got);
     }
     return got;
 }
@@ -195,7 +197,7 @@ static void nap(const glove_drive *self, int64_t until_ns)
 static mrt_result lose(glove_drive *self, const char *reason)
 {
     self->is_lost = true;
-    glove_why_set(&self->loss, MRT_ERR_IO, "%.160s: %s", self->port.name, reason);
+    glove_error_set(&self->loss, MRT_ERR_IO, "%.160s: %s", self->port.name, reason);
     trace_note(&self->trace, device_clock_ns(), self->loss.text);
     return MRT_ERR_IO;
 }
@@ -307,9 +309,9 @@ static mrt_result read_until(glove_drive *self, int64_t deadline_ns, glove_recor
         mrt_result result = ask(self, now_ns);
         if (result < 0)
             return result;
-        int64_t until_ns = device_sooner_ns(deadline_ns, next_check_ns(self));
+        int64_t until_ns = device_earlier_ns(deadline_ns, next_check_ns(self));
         if (self->unit.is_polled && self->resume_ns == 0)
-            until_ns = device_sooner_ns(until_ns, next_ask_ns(self));
+            until_ns = device_earlier_ns(until_ns, next_ask_ns(self));
         int got = take_bytes(self, until_ns);
         if (got < 0)
             return lose(self, "the glove was unplugged, or its adapter");
@@ -343,7 +345,7 @@ typedef struct attempt {
     glove_drive *drive;
     const char *root;
     glove_effort effort;
-    glove_why *why;
+    glove_error *why;
 } attempt;
 
 void glove_drive_address(const glove_found *port, char *out, size_t capacity)
@@ -391,30 +393,30 @@ static mrt_result open_tcp(const attempt *by, const char *address)
 static mrt_result open_usb(const attempt *by, const char *usb_path, glove_memory *memory)
 {
     if (!glove_find_usb(by->root, usb_path, &memory->port))
-        return glove_why_set(by->why, MRT_ERR_IO,
-                             "USB port %.60s is empty: plug the glove in there", usb_path);
+        return glove_error_set(by->why, MRT_ERR_IO,
+                               "USB port %.60s is empty: plug the glove in there", usb_path);
     return open_path(by, memory->port.path);
 }
 
 /* ---- the first found ---- */
 
-static void add_reason(glove_why *all, const char *reason)
+static void add_reason(glove_error *all, const char *reason)
 {
     size_t used = strlen(all->text);
     snprintf(all->text + used, sizeof all->text - used, "%s%.300s", used ? "; " : "", reason);
 }
 
 /* Returns false, with the reason, if the port must not be used. */
-static bool may_ask(const char *path, glove_why *why)
+static bool may_ask(const char *path, glove_error *why)
 {
     char text[384];
-    if (!glove_find_may_open(path)) {
+    if (!glove_find_can_open(path)) {
         glove_find_advice(path, text, sizeof text);
-        glove_why_set(why, MRT_ERR_IO, "%s: no permission: %s", path, text);
+        glove_error_set(why, MRT_ERR_IO, "%s: no permission: %s", path, text);
         return false;
     }
     if (glove_find_holder(path, text, sizeof text)) {
-        glove_why_set(why, MRT_ERR_IO, "%s is in use by %s", path, text);
+        glove_error_set(why, MRT_ERR_IO, "%s is in use by %s", path, text);
         return false;
     }
     return true;
@@ -438,7 +440,7 @@ static mrt_result open_found(const attempt *by, const glove_found *port)
     if (result < 0 || is_wanted_hand(by->drive))
         return result;
     glove_drive_end(by->drive);
-    return glove_why_set(
+    return glove_error_set(
         by->why, MRT_ERR_UNSUPPORTED,
         "%s: this glove is for the other hand. To use it anyway, name it, as in serial:%s",
         port->path, port->path);
@@ -448,7 +450,7 @@ static mrt_result open_first(attempt *by, glove_memory *memory)
 {
     glove_found ports[GLOVE_PORTS_MAX];
     uint32_t count = glove_find_ports(by->root, ports, GLOVE_PORTS_MAX);
-    glove_why reasons = {""};
+    glove_error reasons = {""};
     by->effort = count > 1 ? GLOVE_JUST_ASK : GLOVE_MAY_RESTART;
     for (uint32_t i = 0; i < count; ++i) {
         if (may_ask(ports[i].path, by->why) && open_found(by, &ports[i]) == MRT_OK) {
@@ -458,10 +460,11 @@ static mrt_result open_first(attempt *by, glove_memory *memory)
         add_reason(&reasons, by->why->text);
     }
     if (count == 0)
-        return glove_why_set(by->why, MRT_ERR_IO,
-                             "no USB serial port found: connect the glove, or name its port, as in "
-                             "serial:/dev/ttyS0 or tcp:192.168.1.5:3000");
-    return glove_why_set(by->why, MRT_ERR_IO, "no CyberGlove found: %s", reasons.text);
+        return glove_error_set(
+            by->why, MRT_ERR_IO,
+            "no USB serial port found: connect the glove, or name its port, as in "
+            "serial:/dev/ttyS0 or tcp:192.168.1.5:3000");
+    return glove_error_set(by->why, MRT_ERR_IO, "no CyberGlove found: %s", reasons.text);
 }
 
 static mrt_result open_again(const attempt *by, glove_memory *memory)
@@ -512,14 +515,14 @@ static mrt_result open_address(attempt *by, const char *address, bool is_again,
     const char *path = rest ? rest : address;
     if (path[0] == '/')
         return open_named(by, path, is_again, memory);
-    return glove_why_set(by->why, MRT_ERR_ARGUMENT,
-                         "\"%.80s\" is not the address of a glove: expected serial:/dev/ttyUSB0, "
-                         "usb:1-1.4:1.0/0, tcp:192.168.1.5:3000, or nothing to look for one",
-                         address);
+    return glove_error_set(by->why, MRT_ERR_ARGUMENT,
+                           "\"%.80s\" is not the address of a glove: expected serial:/dev/ttyUSB0, "
+                           "usb:1-1.4:1.0/0, tcp:192.168.1.5:3000, or nothing to look for one",
+                           address);
 }
 
 mrt_result glove_drive_open(glove_drive *drive, const char *address, const char *root,
-                            glove_memory *memory, glove_why *why)
+                            glove_memory *memory, glove_error *why)
 {
     attempt by = {drive, root, GLOVE_MAY_RESTART, why};
     bool is_again = memory->has_had && strcmp(memory->address, address) == 0;

@@ -8,14 +8,14 @@
 #include "glove_start.h"
 
 enum { /* bits of `told`: messages logged once per instance, however often it is opened */
-       GLOVE_TOLD_TOO_FAST = 1,
-       GLOVE_TOLD_UNPLUGGED = 2,
-       GLOVE_TOLD_STAMPS = 4,
-       GLOVE_TOLD_LATENCY = 8,
-       GLOVE_TOLD_REFUSED = 16,
-       GLOVE_TOLD_READINESS = 32,
-       GLOVE_TOLD_HAND = 64,
-       GLOVE_TOLD_LINE = 128
+       GLOVE_LOGGED_TOO_FAST = 1,
+       GLOVE_LOGGED_UNPLUGGED = 2,
+       GLOVE_LOGGED_STAMPS = 4,
+       GLOVE_LOGGED_LATENCY = 8,
+       GLOVE_LOGGED_REFUSED = 16,
+       GLOVE_LOGGED_READINESS = 32,
+       GLOVE_LOGGED_HAND = 64,
+       GLOVE_LOGGED_LINE = 128
 };
 
 typedef struct glove_drive {
@@ -28,7 +28,7 @@ typedef struct glove_drive {
     glove_clock clock;
     uint32_t told;
     bool has_read, has_restarted, is_lost;
-    glove_why loss;     /* reason while is_lost; the caller logs it */
+    glove_error loss;   /* reason while is_lost; the caller logs it */
     bool has_asked;     /* polled: a record was requested and has not arrived */
     uint32_t skipped;   /* records dropped since the last one returned */
     uint32_t unplugged; /* consecutive records with the flag "not plugged into the box" */
@@ -47,7 +47,7 @@ typedef struct glove_memory {
 
 /* Opens the glove and starts reading. root: prefix of all paths, "" except in tests. */
 mrt_result glove_drive_open(glove_drive *drive, const char *address, const char *root,
-                            glove_memory *memory, glove_why *why);
+                            glove_memory *memory, glove_error *why);
 
 /* Writes an address that stays valid if the port's name changes. */
 void glove_drive_address(const glove_found *port, char *out, size_t capacity);
@@ -60,7 +60,7 @@ mrt_result glove_drive_read(glove_drive *self, int64_t deadline_ns, glove_record
 void glove_drive_end(glove_drive *self);
 bool glove_drive_switch(const glove_drive *self); /* state of the switch at the wrist */
 
-__attribute__((format(printf, 4, 5))) void glove_drive_tell(glove_drive *self, uint32_t once,
-                                                            int32_t level, const char *format, ...);
+__attribute__((format(printf, 4, 5))) void
+glove_drive_log_once(glove_drive *self, uint32_t once, int32_t level, const char *format, ...);
 
 #endif

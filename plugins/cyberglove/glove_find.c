@@ -247,7 +247,7 @@ bool glove_find_holder(const char *path, char *out, size_t capacity)
     return glove_find_other_holder(path, -1, out, capacity);
 }
 
-bool glove_find_may_open(const char *path)
+bool glove_find_can_open(const char *path)
 {
     return access(path, R_OK | W_OK) == 0;
 }

@@ -29,7 +29,7 @@ bool glove_find_path(const char *root, const char *path, glove_found *out);
 bool glove_find_holder(const char *path, char *out, size_t capacity);
 /* The same, without our own descriptor `own`. */
 bool glove_find_other_holder(const char *path, int own, char *out, size_t capacity);
-bool glove_find_may_open(const char *path);
+bool glove_find_can_open(const char *path);
 /* Writes what a user without permission can do. */
 void glove_find_advice(const char *path, char *out, size_t capacity);
 /* Resolves links in the path. Copies the path unchanged if that fails. */

@@ -50,7 +50,7 @@ size_t glove_parse_room(const glove_parse *self)
     return GLOVE_PARSE_BYTES - self->count;
 }
 
-void glove_parse_put(glove_parse *self, const unsigned char *bytes, size_t size)
+void glove_parse_append(glove_parse *self, const unsigned char *bytes, size_t size)
 {
     size_t taken = size < glove_parse_room(self) ? size : glove_parse_room(self);
     memcpy(self->bytes + self->count, bytes, taken);
@@ -459,14 +459,14 @@ static uint32_t in_order(uint32_t mask)
 }
 
 /* Returns the hardware mask, unless it contradicts the sensor count of known gloves. */
-static uint32_t hardware_mask(const glove_census *census)
+static uint32_t hardware_mask(const glove_reported *census)
 {
     uint32_t mask = in_order(census->hardware_mask & 0xFFFFFFu);
     uint32_t usual = mask_of_count(census->sensor_count);
     return usual && bit_count(mask) != census->sensor_count ? usual : mask;
 }
 
-bool glove_sensors_find(const glove_census *census, glove_sensors *out)
+bool glove_sensors_find(const glove_reported *census, glove_sensors *out)
 {
     uint32_t mask = hardware_mask(census);
     uint32_t sent_mask = mask & in_order(census->software_mask & 0xFFFFFFu);

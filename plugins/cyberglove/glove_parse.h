@@ -59,7 +59,7 @@ void glove_parse_restart(glove_parse *self);
 /* Returns the free space in bytes. Never 0 after glove_parse_next has returned false. */
 size_t glove_parse_room(const glove_parse *self);
 /* Appends bytes. size: at most glove_parse_room. */
-void glove_parse_put(glove_parse *self, const unsigned char *bytes, size_t size);
+void glove_parse_append(glove_parse *self, const unsigned char *bytes, size_t size);
 /* Reads the next record from the buffer. Returns false if more bytes are needed. */
 bool glove_parse_next(glove_parse *self, glove_record *out);
 /* Returns the number of bytes missing in the current record; 0 if no record has begun. */
@@ -95,15 +95,15 @@ typedef struct glove_sensors {
 } glove_sensors;
 
 /* Values reported by the glove; 0: not reported. */
-typedef struct glove_census {
+typedef struct glove_reported {
     uint32_t sensor_count;  /* ?S */
     uint32_t hardware_mask; /* ?K */
     uint32_t software_mask; /* ?M */
     uint32_t sent_count;    /* ?N */
-} glove_census;
+} glove_reported;
 
 /* Returns false, with `out` unchanged, if the values do not match a glove. */
-bool glove_sensors_find(const glove_census *census, glove_sensors *out);
+bool glove_sensors_find(const glove_reported *census, glove_sensors *out);
 /* 18 or 22 sensors. */
 void glove_sensors_of_count(uint32_t count, glove_sensors *out);
 

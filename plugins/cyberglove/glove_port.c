@@ -23,7 +23,7 @@
 
 /* ---- errors ---- */
 
-mrt_result glove_why_set(glove_why *out, mrt_result code, const char *format, ...)
+mrt_result glove_error_set(glove_error *out, mrt_result code, const char *format, ...)
 {
     va_list values;
     va_start(values, format);
@@ -32,7 +32,7 @@ mrt_result glove_why_set(glove_why *out, mrt_result code, const char *format, ..
     return code;
 }
 
-void glove_why_hex(char *out, size_t capacity, const unsigned char *bytes, size_t count)
+void glove_error_hex(char *out, size_t capacity, const unsigned char *bytes, size_t count)
 {
     size_t used = (size_t)snprintf(out, capacity, "%s", count > 0 ? "" : "nothing");
     for (size_t i = 0; i < count && used + 4 <= capacity; ++i)
@@ -219,35 +219,36 @@ static bool is_pseudo(const char *path)
     return strncmp(real, "/dev/pts/", 9) == 0;
 }
 
-static mrt_result report_busy(const char *path, const char *holder, glove_why *why)
+static mrt_result report_busy(const char *path, const char *holder, glove_error *why)
 {
-    return glove_why_set(why, MRT_ERR_IO, "%s is in use by %s: close that program first", path,
-                         holder[0] ? holder : "another program");
+    return glove_error_set(why, MRT_ERR_IO, "%s is in use by %s: close that program first", path,
+                           holder[0] ? holder : "another program");
 }
 
 /* own: our descriptor of the port, or -1. */
-static mrt_result explain(const char *path, int failure, int own, glove_why *why)
+static mrt_result explain(const char *path, int failure, int own, glove_error *why)
 {
     char advice[384], holder[96];
     switch (failure) {
     case EACCES:
     case EPERM:
         glove_find_advice(path, advice, sizeof advice);
-        return glove_why_set(why, MRT_ERR_IO, "%s: no permission: %s", path, advice);
+        return glove_error_set(why, MRT_ERR_IO, "%s: no permission: %s", path, advice);
     case EBUSY:
         glove_find_other_holder(path, own, holder, sizeof holder);
         return report_busy(path, holder, why);
     case ENOENT:
     case ENODEV:
     case ENXIO:
-        return glove_why_set(why, MRT_ERR_IO, "%s does not exist: is the glove plugged in?", path);
+        return glove_error_set(why, MRT_ERR_IO, "%s does not exist: is the glove plugged in?",
+                               path);
     default:
-        return glove_why_set(why, MRT_ERR_IO, "cannot open %s: %s", path, strerror(failure));
+        return glove_error_set(why, MRT_ERR_IO, "cannot open %s: %s", path, strerror(failure));
     }
 }
 
 /* Locks the port, because two readers would get only parts of the bytes. */
-static mrt_result lock_port(glove_port *self, const char *path, glove_why *why)
+static mrt_result lock_port(glove_port *self, const char *path, glove_error *why)
 {
     char holder[96] = "";
     bool pseudo = is_pseudo(path);
@@ -264,7 +265,7 @@ static mrt_result lock_port(glove_port *self, const char *path, glove_why *why)
     return MRT_OK;
 }
 
-static mrt_result set_line(glove_port *self, const char *path, speed_t code, glove_why *why)
+static mrt_result set_line(glove_port *self, const char *path, speed_t code, glove_error *why)
 {
     if (tcgetattr(self->file, &self->before) != 0)
         return explain(path, errno, self->file, why);
@@ -318,11 +319,11 @@ static void hurry(glove_port *self, const char *path)
     self->latency_ms = read_latency_ms(self->latency_file);
 }
 
-static mrt_result take(glove_port *self, const char *path, speed_t code, glove_why *why)
+static mrt_result take(glove_port *self, const char *path, speed_t code, glove_error *why)
 {
     struct stat about;
     if (fstat(self->file, &about) != 0 || !S_ISCHR(about.st_mode) || !isatty(self->file))
-        return glove_why_set(why, MRT_ERR_UNSUPPORTED, "%s is not a serial port", path);
+        return glove_error_set(why, MRT_ERR_UNSUPPORTED, "%s is not a serial port", path);
     mrt_result result = lock_port(self, path, why);
     if (result < 0)
         return result;
@@ -330,13 +331,14 @@ static mrt_result take(glove_port *self, const char *path, speed_t code, glove_w
 }
 
 mrt_result glove_port_open_serial(glove_port *self, const char *path, uint32_t baud, trace *traced,
-                                  glove_why *why)
+                                  glove_error *why)
 {
     *self = (glove_port){.file = -1, .trace = traced, .baud = baud};
     snprintf(self->name, sizeof self->name, "%s", path);
     speed_t code;
     if (!speed_code(baud, &code))
-        return glove_why_set(why, MRT_ERR_ARGUMENT, "a CyberGlove does not support %u baud", baud);
+        return glove_error_set(why, MRT_ERR_ARGUMENT, "a CyberGlove does not support %u baud",
+                               baud);
     self->file = open(path, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (self->file < 0)
         return explain(path, errno, self->file, why);
@@ -419,20 +421,20 @@ static int open_socket(const struct addrinfo *to)
 }
 
 mrt_result glove_port_open_tcp(glove_port *self, const char *address, int64_t deadline_ns,
-                               trace *traced, glove_why *why)
+                               trace *traced, glove_error *why)
 {
     *self = (glove_port){.file = -1, .trace = traced};
     snprintf(self->name, sizeof self->name, "%s", address);
     tcp_address parts;
     if (!split(address, &parts))
-        return glove_why_set(why, MRT_ERR_ARGUMENT,
-                             "tcp:%.80s: expected tcp:ADDRESS:PORT, as in tcp:192.168.1.5:3000",
-                             address);
+        return glove_error_set(why, MRT_ERR_ARGUMENT,
+                               "tcp:%.80s: expected tcp:ADDRESS:PORT, as in tcp:192.168.1.5:3000",
+                               address);
     struct addrinfo hints = {.ai_socktype = SOCK_STREAM,
                              .ai_flags = AI_NUMERICHOST | AI_NUMERICSERV};
     struct addrinfo *to = NULL;
     if (getaddrinfo(parts.host, parts.service, &hints, &to) != 0)
-        return glove_why_set(
+        return glove_error_set(
             why, MRT_ERR_ARGUMENT,
             "tcp:%.80s: write the glove's address as numbers, as in tcp:192.168.1.5:3000", address);
     int file = open_socket(to);
@@ -444,7 +446,7 @@ mrt_result glove_port_open_tcp(glove_port *self, const char *address, int64_t de
     }
     if (file >= 0)
         close(file);
-    return glove_why_set(why, MRT_ERR_IO,
-                         "%.80s: no connection (%s): is the glove switched on and in this network?",
-                         address, strerror(failure));
+    return glove_error_set(
+        why, MRT_ERR_IO, "%.80s: no connection (%s): is the glove switched on and in this network?",
+        address, strerror(failure));
 }

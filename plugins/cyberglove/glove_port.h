@@ -13,15 +13,15 @@
 
 /* ---- one-line error message with the failure and the advice ---- */
 
-typedef struct glove_why {
+typedef struct glove_error {
     char text[800];
-} glove_why;
+} glove_error;
 
 /* Writes the text, truncated if too long, and returns `code`. */
-__attribute__((format(printf, 3, 4))) mrt_result glove_why_set(glove_why *out, mrt_result code,
-                                                               const char *format, ...);
+__attribute__((format(printf, 3, 4))) mrt_result glove_error_set(glove_error *out, mrt_result code,
+                                                                 const char *format, ...);
 /* Writes the bytes as "53 12 ff", at most as many as fit; "nothing" if count is 0. */
-void glove_why_hex(char *out, size_t capacity, const unsigned char *bytes, size_t count);
+void glove_error_hex(char *out, size_t capacity, const unsigned char *bytes, size_t count);
 
 typedef struct glove_port {
     int file; /* -1: closed */
@@ -38,10 +38,10 @@ typedef struct glove_port {
 
 /* traced: open or off; must outlive the port. */
 mrt_result glove_port_open_serial(glove_port *self, const char *path, uint32_t baud, trace *traced,
-                                  glove_why *why);
+                                  glove_error *why);
 /* address: "192.168.1.5:3000", "[fe80::1]:3000", "localhost:3000". Waits until the deadline. */
 mrt_result glove_port_open_tcp(glove_port *self, const char *address, int64_t deadline_ns,
-                               trace *traced, glove_why *why);
+                               trace *traced, glove_error *why);
 void glove_port_close(glove_port *self); /* accepts a closed port */
 
 /* Waits for bytes. Returns the number read, 0 if none arrived before the deadline, -1 if the port

@@ -164,46 +164,47 @@ static const double line_share = 0.95;
 
 /* ---- identifying the device ---- */
 
-static mrt_result report_silence(const glove_talk *talk, glove_why *why)
+static mrt_result report_silence(const glove_talk *talk, glove_error *why)
 {
     const glove_port *port = talk->port;
     if (port->baud == 0)
-        return glove_why_set(why, MRT_ERR_IO, "%s: connected, but no answer", port->name);
-    return glove_why_set(why, MRT_ERR_IO,
-                         "%s: no answer at %u baud: is the glove's box switched on and set to this "
-                         "speed? Old boxes need baud=38400",
-                         port->name, port->baud);
+        return glove_error_set(why, MRT_ERR_IO, "%s: connected, but no answer", port->name);
+    return glove_error_set(
+        why, MRT_ERR_IO,
+        "%s: no answer at %u baud: is the glove's box switched on and set to this "
+        "speed? Old boxes need baud=38400",
+        port->name, port->baud);
 }
 
 static mrt_result report_other_device(const glove_talk *talk, const unsigned char *bytes,
-                                      size_t count, glove_why *why)
+                                      size_t count, glove_error *why)
 {
     char hex[50];
-    glove_why_hex(hex, sizeof hex, bytes, count);
-    return glove_why_set(why, MRT_ERR_UNSUPPORTED,
-                         "%s: not a CyberGlove at %u baud; it answers \"?G\" with %s. It is "
-                         "another device, or a glove set to another speed",
-                         talk->port->name, talk->port->baud, hex);
+    glove_error_hex(hex, sizeof hex, bytes, count);
+    return glove_error_set(why, MRT_ERR_UNSUPPORTED,
+                           "%s: not a CyberGlove at %u baud; it answers \"?G\" with %s. It is "
+                           "another device, or a glove set to another speed",
+                           talk->port->name, talk->port->baud, hex);
 }
 
 /* Returns the reason if the start-up ended. */
-static mrt_result end_of(const glove_talk *talk, glove_why *why)
+static mrt_result end_of(const glove_talk *talk, glove_error *why)
 {
     if (talk->is_stopping)
-        return glove_why_set(why, MRT_ERR_IO, "%s: cancelled because the program quits",
-                             talk->port->name);
+        return glove_error_set(why, MRT_ERR_IO, "%s: cancelled because the program quits",
+                               talk->port->name);
     if (talk->is_gone && talk->port->baud == 0)
-        return glove_why_set(
+        return glove_error_set(
             why, MRT_ERR_IO,
             "%s closed the connection during start-up: is the glove in use by another program?",
             talk->port->name);
     if (talk->is_gone)
-        return glove_why_set(why, MRT_ERR_IO, "%s disappeared during start-up: was it unplugged?",
-                             talk->port->name);
+        return glove_error_set(why, MRT_ERR_IO, "%s disappeared during start-up: was it unplugged?",
+                               talk->port->name);
     if (!can_continue(talk))
-        return glove_why_set(why, MRT_ERR_IO,
-                             "%s answers too slowly. If it is a CyberGlove, switch it off and on",
-                             talk->port->name);
+        return glove_error_set(why, MRT_ERR_IO,
+                               "%s answers too slowly. If it is a CyberGlove, switch it off and on",
+                               talk->port->name);
     return MRT_OK;
 }
 
@@ -240,7 +241,7 @@ static bool is_ready(glove_talk *talk, int tries, uint32_t *out, first_words *he
 }
 
 static mrt_result find_glove(glove_talk *talk, glove_effort effort, uint32_t *out_readiness,
-                             glove_why *why)
+                             glove_error *why)
 {
     first_words heard = {.count = 0};
     bool ready = is_ready(talk, effort == GLOVE_MAY_RESTART ? ASK_TRIES : 2, out_readiness, &heard);
@@ -272,9 +273,9 @@ static uint32_t ask_byte(glove_talk *talk, char letter, int64_t limit_ms)
     return talk_ask(talk, letter, &value, 1, limit_ms) == GLOVE_ANSWERED ? value : 0;
 }
 
-static mrt_result find_sensors(glove_talk *talk, glove_unit *out, glove_why *why)
+static mrt_result find_sensors(glove_talk *talk, glove_unit *out, glove_error *why)
 {
-    glove_census census = {.sensor_count = ask_byte(talk, 'S', ask_ms)};
+    glove_reported census = {.sensor_count = ask_byte(talk, 'S', ask_ms)};
     census.hardware_mask = ask_mask(talk, 'K', ask_ms);
     census.software_mask = ask_mask(talk, 'M', order_ms);
     census.sent_count = ask_byte(talk, 'N', order_ms);
@@ -283,15 +284,16 @@ static mrt_result find_sensors(glove_talk *talk, glove_unit *out, glove_why *why
         return result;
     bool has_any = census.sensor_count > 0 || census.hardware_mask > 0;
     if (!has_any)
-        return glove_why_set(why, MRT_ERR_IO,
-                             "%s answered the first question like a CyberGlove, but no later one: "
-                             "switch it off and on",
-                             talk->port->name);
+        return glove_error_set(
+            why, MRT_ERR_IO,
+            "%s answered the first question like a CyberGlove, but no later one: "
+            "switch it off and on",
+            talk->port->name);
     if (!glove_sensors_find(&census, &out->sensors))
-        return glove_why_set(why, MRT_ERR_UNSUPPORTED,
-                             "%s answers like a CyberGlove, but reports %u sensors and not which "
-                             "ones: only gloves with 18 or 22 are supported",
-                             talk->port->name, census.sensor_count);
+        return glove_error_set(why, MRT_ERR_UNSUPPORTED,
+                               "%s answers like a CyberGlove, but reports %u sensors and not which "
+                               "ones: only gloves with 18 or 22 are supported",
+                               talk->port->name, census.sensor_count);
     return MRT_OK;
 }
 
@@ -382,7 +384,7 @@ static void give_rate(glove_talk *talk, const glove_settings *settings, glove_un
 
 /* Sets up records of bytes: D, U, F, T. Continues without the commands that the glove rejects. */
 static mrt_result set_up(glove_talk *talk, const glove_settings *settings, glove_unit *out,
-                         glove_why *why)
+                         glove_error *why)
 {
     out->layout.has_time = give_flag(talk, out, 'D', settings->stamps != GLOVE_STAMPS_OFF) &&
                            settings->stamps != GLOVE_STAMPS_OFF;
@@ -391,10 +393,10 @@ static mrt_result set_up(glove_talk *talk, const glove_settings *settings, glove
         give_flag(talk, out, 'F', settings->filter == GLOVE_FILTER_ON);
     give_rate(talk, settings, out);
     if (settings->stamps == GLOVE_STAMPS_ON && !out->layout.has_time && can_continue(talk))
-        return glove_why_set(why, MRT_ERR_UNSUPPORTED,
-                             "%s has no time stamps, as most CyberGlove II and III: leave "
-                             "time_stamps=auto",
-                             talk->port->name);
+        return glove_error_set(why, MRT_ERR_UNSUPPORTED,
+                               "%s has no time stamps, as most CyberGlove II and III: leave "
+                               "time_stamps=auto",
+                               talk->port->name);
     return end_of(talk, why);
 }
 
@@ -437,7 +439,7 @@ static heard_records parse_received(const glove_talk *talk, size_t count, glove_
     heard_records found = HEARD_NONE;
     while (count > 0) {
         size_t part = glove_parse_room(parse) < count ? glove_parse_room(parse) : count;
-        glove_parse_put(parse, bytes, part);
+        glove_parse_append(parse, bytes, part);
         bytes += part;
         count -= part;
         while (glove_parse_next(parse, &record))
@@ -447,17 +449,17 @@ static heard_records parse_received(const glove_talk *talk, size_t count, glove_
     return found;
 }
 
-static mrt_result report_no_record(const glove_talk *talk, const glove_unit *unit, glove_why *why)
+static mrt_result report_no_record(const glove_talk *talk, const glove_unit *unit, glove_error *why)
 {
     char hex[98];
     const char *name = talk->port->name;
-    glove_why_hex(hex, sizeof hex, talk->heard, talk->heard_count);
+    glove_error_hex(hex, sizeof hex, talk->heard, talk->heard_count);
     if (talk->heard_count == 0)
-        return glove_why_set(why, MRT_ERR_IO, "%s is a CyberGlove, but sends no records%s", name,
-                             unit->readiness & 2
-                                 ? ": switch it off and on"
-                                 : ": it reports that the glove is not plugged into the box");
-    return glove_why_set(
+        return glove_error_set(why, MRT_ERR_IO, "%s is a CyberGlove, but sends no records%s", name,
+                               unit->readiness & 2
+                                   ? ": switch it off and on"
+                                   : ": it reports that the glove is not plugged into the box");
+    return glove_error_set(
         why, MRT_ERR_FORMAT,
         "%s is a CyberGlove, but does not send records of %u sensors: %s: switch it off and on",
         name, unit->layout.sensor_count, hex);
@@ -469,15 +471,15 @@ static int64_t first_limit_ms(const glove_unit *unit)
     return three_ms > first_record_ms ? three_ms : first_record_ms;
 }
 
-static mrt_result report_no_hand(const glove_talk *talk, glove_why *why)
+static mrt_result report_no_hand(const glove_talk *talk, glove_error *why)
 {
-    return glove_why_set(why, MRT_ERR_IO,
-                         "%s: the box answers, but the glove is not plugged into it: plug it in",
-                         talk->port->name);
+    return glove_error_set(why, MRT_ERR_IO,
+                           "%s: the box answers, but the glove is not plugged into it: plug it in",
+                           talk->port->name);
 }
 
 static mrt_result have_record(glove_talk *talk, glove_unit *unit, glove_parse *parse,
-                              glove_why *why)
+                              glove_error *why)
 {
     glove_parse_init(parse, &unit->layout);
     talk->heard_count = 0;
@@ -509,7 +511,7 @@ static mrt_result have_record(glove_talk *talk, glove_unit *unit, glove_parse *p
 }
 
 mrt_result glove_start(glove_port *port, const mrt_host *host, const glove_settings *settings,
-                       glove_effort effort, glove_unit *out, glove_parse *parse, glove_why *why)
+                       glove_effort effort, glove_unit *out, glove_parse *parse, glove_error *why)
 {
     glove_talk talk;
     *out = (glove_unit){.layout = {.form = settings->form}};

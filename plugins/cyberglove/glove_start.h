@@ -38,7 +38,7 @@ typedef enum glove_effort { GLOVE_JUST_ASK = 0, GLOVE_MAY_RESTART } glove_effort
 
 /* Starts the glove. On success it sends (or answers 'G'), and `parse` is set up for it. */
 mrt_result glove_start(glove_port *port, const mrt_host *host, const glove_settings *settings,
-                       glove_effort effort, glove_unit *out, glove_parse *parse, glove_why *why);
+                       glove_effort effort, glove_unit *out, glove_parse *parse, glove_error *why);
 /* Starts sending again after an interruption, as glove_start did. Returns false if the port was
  * lost. */
 bool glove_start_sending(glove_port *port, const glove_unit *unit);

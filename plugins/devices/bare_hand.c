@@ -31,10 +31,10 @@ void bare_hand_init(bare_hand *out, const mrt_host *host)
     *out = (bare_hand){.host = host, .reader = host->service(host, MRT_LANDMARKS)};
 }
 
-bool bare_hand_can_be_read(const bare_hand *self)
+bool bare_hand_has_reader(const bare_hand *self)
 {
     if (!self->reader)
-        device_say(self->host, MRT_LOG_ERROR,
+        device_log(self->host, MRT_LOG_ERROR,
                    "this version of marotte cannot read hand landmarks: use a newer one");
     return self->reader != NULL;
 }
@@ -107,7 +107,7 @@ void bare_hand_show(bare_hand *self, uint32_t side, int64_t time_ns)
     self->shown_ns = time_ns;
 }
 
-void bare_hand_give(bare_hand *self, int64_t time_ns, mrt_sample *out)
+void bare_hand_write_sample(bare_hand *self, int64_t time_ns, mrt_sample *out)
 {
     self->sequence += self->lost + self->has_given;
     self->lost = 0;

@@ -39,7 +39,7 @@ typedef struct bare_hand {
 /* [main] For mrt_plugin_type.create. */
 void bare_hand_init(bare_hand *out, const mrt_host *host);
 /* [main] Returns false and logs an error if the host does not convert landmarks. */
-bool bare_hand_can_be_read(const bare_hand *self);
+bool bare_hand_has_reader(const bare_hand *self);
 /* [main] Resets the state from the parameters, without any hand. */
 void bare_hand_begin(bare_hand *self, const double *params);
 /* Call before each reading. Channels are fixed while an input is open, so a changed hand parameter
@@ -51,6 +51,6 @@ void bare_hand_turn(bare_hand *self, uint32_t side, mrt_hand_reading *reading);
 /* Records that `reading` is of this hand, seen at time_ns (device_clock_ns). */
 void bare_hand_show(bare_hand *self, uint32_t side, int64_t time_ns);
 /* Writes the next sample, from `reading`. time_ns: the host's clock. */
-void bare_hand_give(bare_hand *self, int64_t time_ns, mrt_sample *out);
+void bare_hand_write_sample(bare_hand *self, int64_t time_ns, mrt_sample *out);
 
 #endif

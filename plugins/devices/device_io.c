@@ -17,7 +17,7 @@ const char *const device_sensor_name[MRT_ANGLES] = {
     "ring.pij",   "ring.dij",   "ring.abd",    "little.mpj", "little.pij", "little.dij",
     "little.abd", "palm.arch",  "wrist.pitch", "wrist.yaw"};
 
-void device_say(const mrt_host *host, int32_t level, const char *format, ...)
+void device_log(const mrt_host *host, int32_t level, const char *format, ...)
 {
     char text[512];
     va_list arguments;

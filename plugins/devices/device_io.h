@@ -11,7 +11,7 @@
 extern const char *const device_sensor_name[MRT_ANGLES];
 
 /* Logs one line for the user, truncated at 511 bytes. Any thread. */
-__attribute__((format(printf, 3, 4))) void device_say(const mrt_host *host, int32_t level,
+__attribute__((format(printf, 3, 4))) void device_log(const mrt_host *host, int32_t level,
                                                       const char *format, ...);
 
 /* Returns the system's monotonic clock. For threads not created by the host, because those cannot
@@ -26,7 +26,7 @@ int64_t device_deadline_ns(const mrt_host *host, int64_t deadline_ns);
  * *last_ns. Sets *last_ns to it. [main] [input] */
 int64_t device_sample_ns(const mrt_host *host, int64_t time_ns, int64_t *last_ns);
 
-static inline int64_t device_sooner_ns(int64_t a_ns, int64_t b_ns)
+static inline int64_t device_earlier_ns(int64_t a_ns, int64_t b_ns)
 {
     return a_ns < b_ns ? a_ns : b_ns;
 }

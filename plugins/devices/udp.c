@@ -320,7 +320,7 @@ int udp_failure(int socket, udp_peer *out_to)
     return EIO;
 }
 
-bool udp_peer_find(udp_peer *out, const char *host, uint16_t port, char out_reason[UDP_REASON])
+bool udp_peer_resolve(udp_peer *out, const char *host, uint16_t port, char out_reason[UDP_REASON])
 {
     struct addrinfo *address = find_address(host, port, 0, out_reason);
     if (!address)
@@ -460,7 +460,7 @@ mrt_result udp_sender_open(udp_sender *self, const char *address, uint16_t port,
     self->port = port;
     self->refused_ns = 0;
     if (address[0] && !udp_address_parse(self->host_name, &self->port, address, strlen(address))) {
-        device_say(
+        device_log(
             self->host, MRT_LOG_ERROR,
             "\"%.100s\" is not an address to send to: expected HOST:PORT, as in 192.168.1.20:%u",
             address, (unsigned)port);
@@ -468,7 +468,7 @@ mrt_result udp_sender_open(udp_sender *self, const char *address, uint16_t port,
     }
     self->socket = udp_connect(self->host_name, self->port, reason);
     if (self->socket < 0) {
-        device_say(self->host, MRT_LOG_ERROR, "%s", reason);
+        device_log(self->host, MRT_LOG_ERROR, "%s", reason);
         return MRT_ERR_IO;
     }
     trace_open(&self->trace, self->host, source);
@@ -486,7 +486,7 @@ mrt_result udp_sender_send(udp_sender *self, const void *bytes, size_t size)
         self->refused_ns = now_ns;
     if (error == 0 || is_passing(error) || error == ENOBUFS) /* no space now, or no listener */
         return self->refused_ns && now_ns - self->refused_ns < unheard_ns ? MRT_TIMEOUT : MRT_OK;
-    device_say(self->host, MRT_LOG_ERROR, "cannot reach %s port %u: %s", self->host_name,
+    device_log(self->host, MRT_LOG_ERROR, "cannot reach %s port %u: %s", self->host_name,
                (unsigned)self->port, strerror(error));
     return MRT_ERR_IO;
 }

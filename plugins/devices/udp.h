@@ -24,7 +24,7 @@ typedef struct udp_peer {
 
 /* Finds the address of a host; may query a name server. Returns false on failure, with the reason
  * in out_reason. */
-bool udp_peer_find(udp_peer *out, const char *host, uint16_t port, char out_reason[UDP_REASON]);
+bool udp_peer_resolve(udp_peer *out, const char *host, uint16_t port, char out_reason[UDP_REASON]);
 enum { UDP_PEER_TEXT = 56 };
 void udp_peer_text(const udp_peer *peer, char *out, size_t capacity); /* "10.0.0.2:4711" */
 

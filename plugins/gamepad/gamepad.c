@@ -233,15 +233,15 @@ static void input_close(mrt_plugin *self)
 static mrt_result report_absent(const mrt_plugin *self, uint32_t count)
 {
     if (self->identity[0])
-        device_say(self->host, MRT_LOG_ERROR,
+        device_log(self->host, MRT_LOG_ERROR,
                    "the gamepad at %.90s is not connected: plug it in again", self->identity);
     else if (self->address[0])
-        device_say(self->host, MRT_LOG_ERROR,
+        device_log(self->host, MRT_LOG_ERROR,
                    "no gamepad matches \"%.60s\" (%u connected): plug it in, or list the devices "
                    "with: marotte devices",
                    self->address, count);
     else
-        device_say(self->host, MRT_LOG_ERROR, "no gamepad found: plug one in");
+        device_log(self->host, MRT_LOG_ERROR, "no gamepad found: plug one in");
     return MRT_ERR_IO;
 }
 
@@ -262,7 +262,7 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
     self->pad = device[at];
     self->descriptor = evdev_open(&self->pad, &self->state);
     if (self->descriptor < 0) {
-        device_say(self->host, MRT_LOG_ERROR, "%.60s (%s): %s: %s", self->pad.name, self->pad.node,
+        device_log(self->host, MRT_LOG_ERROR, "%.60s (%s): %s: %s", self->pad.name, self->pad.node,
                    strerror(errno), advice(errno));
         return MRT_ERR_IO;
     }
@@ -320,7 +320,7 @@ static mrt_result lose(mrt_plugin *self, mrt_sample *out)
         return MRT_OK;
     }
     if (!self->has_told_loss)
-        device_say(self->host, MRT_LOG_ERROR,
+        device_log(self->host, MRT_LOG_ERROR,
                    "%.60s was disconnected: plug it in again, or switch it on", self->pad.name);
     self->has_told_loss = true;
     return MRT_ERR_IO;

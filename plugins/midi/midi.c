@@ -111,7 +111,7 @@ static void save_table(mrt_plugin *self)
     if (file >= 0)
         is_written &= close(file) == 0;
     if (!is_written || rename(fresh, path) != 0)
-        device_say(
+        device_log(
             self->host, MRT_LOG_WARNING,
             "cannot write %.200s (%s): move each control once in the next session to find it again",
             path, strerror(errno));
@@ -137,7 +137,7 @@ static void build_channels(mrt_plugin *self)
 {
     midi_table_build(&self->table, self->opened_pedals);
     for (uint32_t i = 0; i < self->table.count; ++i) {
-        int heard = midi_table_heard(&self->table, self->table.control[i]);
+        int heard = midi_table_find_received(&self->table, self->table.control[i]);
         self->value[i] = heard >= 0 ? self->heard_value[heard] : 0.0f;
         self->is_moved[i] = false;
     }
@@ -167,7 +167,7 @@ static mrt_result open_afresh(mrt_plugin *self, const char *address)
     trace_open(&self->trace, self->host, "midi");
     if (!midi_port_open(&self->port, address[0] ? address : self->found, self->name, reason)) {
         close_port(self);
-        device_say(self->host, MRT_LOG_ERROR, "%s", reason);
+        device_log(self->host, MRT_LOG_ERROR, "%s", reason);
         return MRT_ERR_IO;
     }
     if (address[0] == '\0')
@@ -177,7 +177,7 @@ static mrt_result open_afresh(mrt_plugin *self, const char *address)
         load_table(self);
     }
     if (self->port.seq && self->name[0] == '\0')
-        device_say(
+        device_log(
             self->host, MRT_LOG_INFO,
             "no MIDI device found: plug one in, or connect a program to the port \"marotte\"");
     self->chunk_size = self->chunk_at = 0;
@@ -246,21 +246,21 @@ static void learn(mrt_plugin *self, midi_control control)
     char name[MIDI_NAME];
     midi_control_name(control, name);
     if (self->learn_count == LEARN_TIMES) {
-        device_say(self->host, MRT_LOG_WARNING,
+        device_log(self->host, MRT_LOG_WARNING,
                    "%s is a new control. It becomes a channel when the input is opened again",
                    name);
         return;
     }
     self->learn_due_ns = self->chunk_ns + learn_ns;
-    device_say(self->host, MRT_LOG_DEBUG, "new control: %s", name);
+    device_log(self->host, MRT_LOG_DEBUG, "new control: %s", name);
 }
 
 static void move(mrt_plugin *self, const midi_event *event)
 {
     const midi_control control = midi_control_of(event);
     const int channel = midi_table_find(&self->table, control);
-    int heard = midi_table_heard(&self->table, control);
-    if (heard < 0 && midi_table_hear(&self->table, control)) {
+    int heard = midi_table_find_received(&self->table, control);
+    if (heard < 0 && midi_table_add(&self->table, control)) {
         heard = (int)self->table.heard_count - 1;
         self->sent_value[heard] = NAN;
         self->is_unsaved = true;
@@ -268,7 +268,7 @@ static void move(mrt_plugin *self, const midi_event *event)
             learn(self, control);
     } else if (heard < 0 && !self->has_told_full) {
         self->has_told_full = true;
-        device_say(self->host, MRT_LOG_WARNING,
+        device_log(self->host, MRT_LOG_WARNING,
                    "the limit of %u controls is reached: set forget=1 to start again",
                    self->table.heard_count);
     }
@@ -288,7 +288,7 @@ static void release(mrt_plugin *self, uint8_t midi_channel)
         const uint8_t of = self->table.control[i] >> 16 & 15;
         const uint32_t semantic = self->table.channel[i].semantic;
         const bool is_pedal = semantic >= MRT_CH_PEDAL && semantic < MRT_CH_PEDAL + MRT_MAX_PEDALS;
-        const int heard = midi_table_heard(&self->table, self->table.control[i]);
+        const int heard = midi_table_find_received(&self->table, self->table.control[i]);
         if ((kind != MIDI_NOTE && !is_pedal) || self->value[i] == 0.0f ||
             (midi_channel != MIDI_ALL_CHANNELS && midi_channel != of))
             continue;
@@ -354,7 +354,8 @@ static bool afford(mrt_plugin *self)
 static bool find_event(mrt_plugin *self)
 {
     while (!self->has_event && self->chunk_at < self->chunk_size)
-        self->has_event = midi_take(&self->parser, self->chunk[self->chunk_at++], &self->event);
+        self->has_event =
+            midi_parser_add_byte(&self->parser, self->chunk[self->chunk_at++], &self->event);
     return self->has_event;
 }
 
@@ -438,7 +439,7 @@ static mrt_result lose(mrt_plugin *self, mrt_sample *out)
     if (self->is_touched)
         return give(self, self->host->now_ns(self->host), out);
     if (!self->has_told_loss)
-        device_say(self->host, MRT_LOG_ERROR, "%.100s was disconnected: plug it in again",
+        device_log(self->host, MRT_LOG_ERROR, "%.100s was disconnected: plug it in again",
                    self->name[0] ? self->name : self->address);
     self->has_told_loss = true;
     return MRT_ERR_IO;
@@ -476,7 +477,7 @@ static bool act(mrt_plugin *self, int64_t now_ns, mrt_sample *out)
 {
     if (now_ns >= self->sensing_due_ns) {
         self->sensing_due_ns = INT64_MAX;
-        device_say(self->host, MRT_LOG_WARNING,
+        device_log(self->host, MRT_LOG_WARNING,
                    "%.100s stopped its active sensing messages: its notes and pedals are released",
                    self->name[0] ? self->name : self->address);
         release(self, MIDI_ALL_CHANNELS);
@@ -496,12 +497,12 @@ static bool act(mrt_plugin *self, int64_t now_ns, mrt_sample *out)
 
 static int64_t next_due_ns(const mrt_plugin *self, const double *params)
 {
-    int64_t due_ns = device_sooner_ns(self->sensing_due_ns, self->learn_due_ns);
+    int64_t due_ns = device_earlier_ns(self->sensing_due_ns, self->learn_due_ns);
     if (self->is_touched) /* but not yet allowed by the budget */
-        due_ns = device_sooner_ns(due_ns, self->budget_ns + 1000000);
+        due_ns = device_earlier_ns(due_ns, self->budget_ns + 1000000);
     if (self->has_given)
-        due_ns = device_sooner_ns(due_ns, self->repeat_due_ns);
-    return has_motor_due(self, params) ? device_sooner_ns(due_ns, self->motor_due_ns) : due_ns;
+        due_ns = device_earlier_ns(due_ns, self->repeat_due_ns);
+    return has_motor_due(self, params) ? device_earlier_ns(due_ns, self->motor_due_ns) : due_ns;
 }
 
 static mrt_result input_read(mrt_plugin *self, const double *params, int64_t deadline_ns,
@@ -532,8 +533,8 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
             return MRT_OK;
         if (now_ns >= deadline_ns)
             return MRT_TIMEOUT;
-        const int64_t until_ns = device_sooner_ns(deadline_ns, next_due_ns(self, params));
-        if (device_wait(self->port.descriptor, device_sooner_ns(until_ns - now_ns, repeat_ns)) < 0)
+        const int64_t until_ns = device_earlier_ns(deadline_ns, next_due_ns(self, params));
+        if (device_wait(self->port.descriptor, device_earlier_ns(until_ns - now_ns, repeat_ns)) < 0)
             self->is_lost = true;
     }
 }

@@ -230,7 +230,7 @@ static bool take_status(midi_parser *self, uint8_t byte, midi_event *out)
     return says;
 }
 
-bool midi_take(midi_parser *self, uint8_t byte, midi_event *out)
+bool midi_parser_add_byte(midi_parser *self, uint8_t byte, midi_event *out)
 {
     if (byte == SENSING)
         return give(out, MIDI_SENSING, 0, 0, 0);

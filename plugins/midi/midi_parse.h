@@ -59,6 +59,6 @@ typedef struct midi_parser {
 /* Values 0..127 of the controllers 0..31 are coarse when `is_fine` is set. */
 void midi_parser_init(midi_parser *self, bool is_fine);
 /* Adds a byte. Returns true if it completes a message with an event. */
-bool midi_take(midi_parser *self, uint8_t byte, midi_event *out);
+bool midi_parser_add_byte(midi_parser *self, uint8_t byte, midi_event *out);
 
 #endif

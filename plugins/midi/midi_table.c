@@ -119,14 +119,14 @@ int midi_table_find(const midi_table *self, midi_control control)
     return index_of(self->control, self->count, control);
 }
 
-int midi_table_heard(const midi_table *self, midi_control control)
+int midi_table_find_received(const midi_table *self, midi_control control)
 {
     return index_of(self->heard, self->heard_count, control);
 }
 
-bool midi_table_hear(midi_table *self, midi_control control)
+bool midi_table_add(midi_table *self, midi_control control)
 {
-    if (self->heard_count == MRT_MAX_CHANNELS || midi_table_heard(self, control) >= 0)
+    if (self->heard_count == MRT_MAX_CHANNELS || midi_table_find_received(self, control) >= 0)
         return false;
     self->heard[self->heard_count++] = control;
     return true;
@@ -203,6 +203,6 @@ void midi_table_read(midi_table *self, const char *text, size_t size)
         text = stop ? stop + 1 : end;
         midi_control control;
         if (midi_control_parse(&control, line, (size_t)((stop ? stop : end) - line)))
-            (void)midi_table_hear(self, control);
+            (void)midi_table_add(self, control);
     }
 }

@@ -29,7 +29,7 @@ typedef struct midi_table {
 
 /* Adds a control. Returns false if it is known already or the table is full. Does not change the
  * channels: see midi_table_build. */
-bool midi_table_hear(midi_table *self, midi_control control);
+bool midi_table_add(midi_table *self, midi_control control);
 /* Builds the channels of all received controls and, while there is space, of the usual ones:
  * controllers 0 to 31 and the bends of the first nine channels. has_pedals: sustain, sostenuto and
  * soft pedal are pedals 1 to 3. */
@@ -37,7 +37,7 @@ void midi_table_build(midi_table *self, bool has_pedals);
 /* Returns the channel's index; -1: not a channel. */
 int midi_table_find(const midi_table *self, midi_control control);
 /* Returns the index in `heard`; -1: not received so far. */
-int midi_table_heard(const midi_table *self, midi_control control);
+int midi_table_find_received(const midi_table *self, midi_control control);
 
 /* Write and read the received controls as text, one name per line. Reading ignores other bytes. */
 size_t midi_table_write(const midi_table *self, char *out, size_t capacity);

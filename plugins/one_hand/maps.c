@@ -159,7 +159,7 @@ static void seen_from_palm(double out[3], const palm_axes *palm, const double wr
     out[2] = dot(palm->z, at);
 }
 
-bool reading_take(reading *out, const mrt_hand *hand, uint32_t side)
+bool reading_from_hand(reading *out, const mrt_hand *hand, uint32_t side)
 {
     palm_axes palm = axes_of_palm(hand, side);
     double wrist[3], outer[2][3];

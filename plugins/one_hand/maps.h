@@ -29,7 +29,7 @@ typedef struct reading {
 
 /* Reads a hand. side: MRT_LEFT or MRT_RIGHT; a left hand gives the reading of its mirror image.
  * Returns false if the hand has a number that is not finite. */
-bool reading_take(reading *out, const mrt_hand *hand, uint32_t side);
+bool reading_from_hand(reading *out, const mrt_hand *hand, uint32_t side);
 /* Updates the mean of `count` samples with the last one, `sample`. Equal samples do not change
  * it. */
 void reading_average(reading *mean, const reading *sample, uint32_t count);

@@ -519,7 +519,7 @@ static uint32_t take_reading(reading *out, const mrt_frame *frame)
     const uint32_t *sides = wanted[(int)frame->params[SET_HAND]];
     for (int i = 0; i < 2; ++i) {
         const mrt_hand *hand = &frame->hand[sides[i]];
-        if (hand->present && reading_take(out, hand, sides[i]))
+        if (hand->present && reading_from_hand(out, hand, sides[i]))
             return sides[i];
     }
     return MRT_NO_HAND;

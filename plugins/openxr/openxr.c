@@ -34,15 +34,15 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
     char reason[OPENXR_REASON];
     input_close(self);
     if (address[0] != '\0') {
-        device_say(self->host, MRT_LOG_ERROR,
+        device_log(self->host, MRT_LOG_ERROR,
                    "\"%.40s\": openxr takes no address: the system has one active runtime",
                    address);
         return MRT_ERR_ARGUMENT;
     }
-    if (!bare_hand_can_be_read(&self->hand))
+    if (!bare_hand_has_reader(&self->hand))
         return MRT_ERR_UNSUPPORTED;
     if (!openxr_helper_join(&self->listener, reason)) {
-        device_say(self->host, MRT_LOG_ERROR, "%s", reason);
+        device_log(self->host, MRT_LOG_ERROR, "%s", reason);
         return MRT_ERR_IO;
     }
     self->is_open = true;
@@ -127,12 +127,13 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
             return MRT_TIMEOUT;
         if (heard == OPENXR_HEARD_FRAME && take_frame(self, &frame)) {
             const int64_t seen_ns = frame.time_ns + self->hand.host_offset_ns;
-            bare_hand_give(&self->hand, device_sample_ns(self->host, seen_ns, &self->hand.last_ns),
-                           out_sample);
+            bare_hand_write_sample(&self->hand,
+                                   device_sample_ns(self->host, seen_ns, &self->hand.last_ns),
+                                   out_sample);
             return MRT_OK;
         }
         if (heard != OPENXR_HEARD_FRAME)
-            device_say(self->host, heard == OPENXR_HEARD_NEWS ? MRT_LOG_INFO : MRT_LOG_WARNING,
+            device_log(self->host, heard == OPENXR_HEARD_NEWS ? MRT_LOG_INFO : MRT_LOG_WARNING,
                        "%s", text);
     }
 }

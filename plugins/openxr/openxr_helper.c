@@ -252,7 +252,7 @@ static void clean_text(char text[OPENXR_TEXT])
             *c = '?';
 }
 
-bool openxr_record_take(openxr_record *record)
+bool openxr_record_validate(openxr_record *record)
 {
     if (record->magic != OPENXR_MAGIC || record->kind < OPENXR_FRAME || record->kind > OPENXR_END)
         return false;
@@ -288,7 +288,7 @@ static bool take_record(watcher *self, int64_t arrival_ns)
 {
     char line[OPENXR_REASON];
     openxr_record *record = &self->record;
-    if (!openxr_record_take(record)) {
+    if (!openxr_record_validate(record)) {
         give_up(self, "the OpenXR runtime's program sent invalid data: restarting it");
         return false;
     }

@@ -31,6 +31,6 @@ typedef struct openxr_record {
 /* Validates a record in place. In a frame, every coordinate marked as valid is a finite number of
  * plausible size, and hands that are not active are all 0. Texts end with 0 and have no control
  * characters. Returns false if it is not a record. */
-bool openxr_record_take(openxr_record *record);
+bool openxr_record_validate(openxr_record *record);
 
 #endif

@@ -88,7 +88,7 @@ static void stop_listening(osc_input *self)
     char summary[160];
     osc_port_summary(self->port, summary, sizeof summary);
     if (summary[0] != '\0')
-        device_say(self->host, MRT_LOG_INFO, "%s", summary);
+        device_log(self->host, MRT_LOG_INFO, "%s", summary);
     osc_port_leave(self->port, &self->listener);
     osc_port_close(self->port);
     self->port = NULL;
@@ -131,7 +131,7 @@ static mrt_result start_listening(osc_input *self, const osc_address *address, c
     self->address = *address;
     self->port = osc_port_open(address, self->host, reason);
     if (!self->port) {
-        device_say(self->host, MRT_LOG_ERROR, "%s", reason);
+        device_log(self->host, MRT_LOG_ERROR, "%s", reason);
         return MRT_ERR_IO;
     }
     if (address->has_source)
@@ -172,7 +172,7 @@ static mrt_result wait_until_there(osc_input *self, int64_t wait_ns)
 /* The socket failed: the next open() creates a new one. */
 static mrt_result report_network_failure(osc_input *self)
 {
-    device_say(self->host, MRT_LOG_ERROR,
+    device_log(self->host, MRT_LOG_ERROR,
                "port %u: the network failed: is the connection still there?",
                (unsigned)self->address.port);
     self->is_lost = false;
@@ -183,17 +183,17 @@ static mrt_result report_no_sender(osc_input *self)
 {
     const osc_address *address = &self->address;
     if (self->is_lost) { /* reported when it was lost */
-        device_say(self->host, MRT_LOG_DEBUG, "port %u: nothing yet", (unsigned)address->port);
+        device_log(self->host, MRT_LOG_DEBUG, "port %u: nothing yet", (unsigned)address->port);
         return MRT_ERR_IO;
     }
     char there[256];
     osc_port_name_sources(self->port, there, sizeof there);
     if (there[0] != '\0')
-        device_say(self->host, MRT_LOG_ERROR,
+        device_log(self->host, MRT_LOG_ERROR,
                    "port %u: \"%s\" is not forwarded to it; available: %s", (unsigned)address->port,
                    address->source, there);
     else
-        device_say(self->host, MRT_LOG_ERROR,
+        device_log(self->host, MRT_LOG_ERROR,
                    "%s port %u: no marotte forwards \"%s\" to it: start `marotte devices --forward "
                    "ADDRESS:%u` on the other computer, and let both firewalls pass UDP; to receive "
                    "from another computer, write 0.0.0.0:%u/%s here",
@@ -231,7 +231,7 @@ static mrt_result input_open(mrt_plugin *plugin, const char *address, const doub
     osc_address parsed;
     input_close(plugin);
     if (!osc_address_parse(&parsed, address)) {
-        device_say(self->host, MRT_LOG_ERROR,
+        device_log(self->host, MRT_LOG_ERROR,
                    "\"%.100s\" is not an address: expected [HOST:]PORT, with /SOURCE for an input "
                    "that another marotte forwards, as in 9105 or 0.0.0.0:9105/cyberglove",
                    address);
@@ -373,9 +373,9 @@ static mrt_result lose(osc_input *self, const char *why)
     char bound[OSC_SOURCE_LENGTH];
     osc_port_leave(self->port, &self->listener);
     snprintf(bound, sizeof bound, "%s", self->listener.bound);
-    osc_listener_rearm(&self->listener);
+    osc_listener_reset(&self->listener);
     osc_port_join(self->port, &self->listener);
-    device_say(self->host, MRT_LOG_ERROR, "port %u%s%s: %s", (unsigned)self->address.port,
+    device_log(self->host, MRT_LOG_ERROR, "port %u%s%s: %s", (unsigned)self->address.port,
                bound[0] ? ": " : "", bound, why);
     self->is_lost = true;
     return MRT_ERR_IO;
@@ -386,7 +386,7 @@ static void release_pedals(osc_input *self, mrt_sample *out)
     osc_port_lock(self->port);
     osc_listener_release_pedals(&self->listener);
     osc_port_unlock(self->port);
-    device_say(self->host, MRT_LOG_WARNING,
+    device_log(self->host, MRT_LOG_WARNING,
                "port %u: no pedal messages: pedals released. If the sender only sends changes, set "
                "silence=0",
                (unsigned)self->address.port);
@@ -417,8 +417,8 @@ static mrt_result input_read(mrt_plugin *plugin, const double *params, int64_t d
             return lose(self, quiet.loss);
         if (has_waited && until_ns - now_ns < OSC_PORT_WAIT_LEAST_NS)
             return MRT_TIMEOUT;
-        int64_t wake_ns = device_sooner_ns(device_sooner_ns(until_ns, quiet.frame_ns),
-                                           device_sooner_ns(quiet.release_ns, quiet.lost_ns));
+        int64_t wake_ns = device_earlier_ns(device_earlier_ns(until_ns, quiet.frame_ns),
+                                            device_earlier_ns(quiet.release_ns, quiet.lost_ns));
         works = osc_port_wait(self->port, &self->listener, wake_ns, self->host);
         has_waited = true;
     }
@@ -448,7 +448,7 @@ static void send_packet(osc_output *self, size_t size)
     if (self->has_logged_failure)
         return;
     self->has_logged_failure = true;
-    device_say(self->host, MRT_LOG_WARNING,
+    device_log(self->host, MRT_LOG_WARNING,
                "cannot send samples to %s port %u (%s): %s. Still trying", self->address.host,
                (unsigned)self->address.port, strerror(error), advice_for_send(error));
 }
@@ -508,7 +508,7 @@ static mrt_result start_thread(osc_output *self)
         return MRT_OK;
     pthread_cond_destroy(&self->wake);
     pthread_mutex_destroy(&self->mutex);
-    device_say(self->host, MRT_LOG_ERROR, "cannot start the thread that repeats messages");
+    device_log(self->host, MRT_LOG_ERROR, "cannot start the thread that repeats messages");
     return MRT_ERR_MEMORY;
 }
 
@@ -533,7 +533,7 @@ static void output_close(mrt_plugin *plugin)
     pthread_join(self->thread, NULL);
     send_end(self);
     if (self->failed_count > 0)
-        device_say(self->host, MRT_LOG_INFO, "%u datagrams could not be sent to %s port %u",
+        device_log(self->host, MRT_LOG_INFO, "%u datagrams could not be sent to %s port %u",
                    self->failed_count, self->address.host, (unsigned)self->address.port);
     pthread_cond_destroy(&self->wake);
     pthread_mutex_destroy(&self->mutex);
@@ -549,7 +549,7 @@ static mrt_result output_open(mrt_plugin *plugin, const char *address, const dou
     output_close(plugin);
     if (!address || address[0] == '\0' || !osc_address_parse(&self->address, address) ||
         self->address.has_source) {
-        device_say(
+        device_log(
             self->host, MRT_LOG_ERROR,
             "\"%.100s\" is not an address to send to: expected HOST:PORT, as in 192.168.1.20:%d",
             address ? address : "", OSC_PORT);
@@ -557,7 +557,7 @@ static mrt_result output_open(mrt_plugin *plugin, const char *address, const dou
     }
     self->socket = udp_connect(self->address.host, self->address.port, reason);
     if (self->socket < 0) {
-        device_say(self->host, MRT_LOG_ERROR, "%s", reason);
+        device_log(self->host, MRT_LOG_ERROR, "%s", reason);
         return MRT_ERR_IO;
     }
     memset(self->source, 0, sizeof self->source);
@@ -610,7 +610,7 @@ static bool is_told(const forwarded *from, const mrt_channel *channels, const mr
 static mrt_result refuse(osc_output *self, mrt_result result, const char *source, const char *why)
 {
     if (!self->has_logged_source)
-        device_say(self->host, MRT_LOG_ERROR, "cannot forward %.95s: %s", source, why);
+        device_log(self->host, MRT_LOG_ERROR, "cannot forward %.95s: %s", source, why);
     self->has_logged_source = true;
     return result;
 }

@@ -160,7 +160,7 @@ void osc_listener_start_forwarded(osc_listener *self, const char *wanted)
     snprintf(self->wanted, sizeof self->wanted, "%s", wanted);
 }
 
-void osc_listener_rearm(osc_listener *self)
+void osc_listener_reset(osc_listener *self)
 {
     self->first = self->count = self->frame_bones = 0;
     self->has_heard = self->has_sample = false;
@@ -592,8 +592,8 @@ static void take_message(void *context, const osc_message *message)
         deliver_to_hands(self, message->address);
 }
 
-void osc_dispatcher_take(osc_dispatcher *self, void *bytes, size_t size, const udp_peer *peer,
-                         int64_t now_ns, const mrt_host *host)
+void osc_dispatcher_process(osc_dispatcher *self, void *bytes, size_t size, const udp_peer *peer,
+                            int64_t now_ns, const mrt_host *host)
 {
     self->peer = peer;
     self->now_ns = now_ns;

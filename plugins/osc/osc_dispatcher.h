@@ -78,7 +78,7 @@ void osc_listener_start_simple(osc_listener *self, uint32_t side, osc_content co
 void osc_listener_start_forwarded(osc_listener *self, const char *wanted);
 /* Clears the queue and the losses but keeps the channels and the bound source: for a listener whose
  * sender was lost. */
-void osc_listener_rearm(osc_listener *self);
+void osc_listener_reset(osc_listener *self);
 
 /* Returns the latest time at which the received bones become a frame; INT64_MAX: no bones. */
 int64_t osc_listener_frame_due_ns(const osc_listener *self);
@@ -114,8 +114,8 @@ void osc_dispatcher_start(osc_dispatcher *self);
 void osc_dispatcher_join(osc_dispatcher *self, osc_listener *listener, int64_t now_ns);
 void osc_dispatcher_leave(osc_dispatcher *self, osc_listener *listener);
 /* Processes one packet; does not change `bytes`. Uses only host->log. */
-void osc_dispatcher_take(osc_dispatcher *self, void *bytes, size_t size, const udp_peer *peer,
-                         int64_t now_ns, const mrt_host *host);
+void osc_dispatcher_process(osc_dispatcher *self, void *bytes, size_t size, const udp_peer *peer,
+                            int64_t now_ns, const mrt_host *host);
 /* Lists the forwarded sources that are not silent: "cyberglove ttyUSB0, pedal"; "": none. */
 void osc_dispatcher_name_sources(const osc_dispatcher *self, int64_t now_ns, char *out,
                                  size_t capacity);

@@ -158,7 +158,7 @@ static bool receive(osc_port *self, int64_t deadline_ns, const mrt_host *host)
     self->is_receiving = false;
     if (size > 0) {
         trace_received(&self->trace, now_ns, self->packet, (size_t)size);
-        osc_dispatcher_take(&self->dispatcher, self->packet, (size_t)size, &peer, now_ns, host);
+        osc_dispatcher_process(&self->dispatcher, self->packet, (size_t)size, &peer, now_ns, host);
     }
     pthread_cond_broadcast(&self->changed);
     return size != UDP_FAILED;

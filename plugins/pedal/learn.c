@@ -34,8 +34,8 @@ bool debounce_settle(debounce *self, int64_t time_ns, int64_t window_ns)
     return changed;
 }
 
-bool debounce_take(debounce *self, const float value[DEBOUNCE_SWITCHES], uint32_t analogue,
-                   int64_t time_ns, int64_t window_ns)
+bool debounce_update(debounce *self, const float value[DEBOUNCE_SWITCHES], uint32_t analogue,
+                     int64_t time_ns, int64_t window_ns)
 {
     bool changed = false;
     for (int i = 0; i < DEBOUNCE_SWITCHES; ++i) {

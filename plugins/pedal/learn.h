@@ -61,11 +61,11 @@ void debounce_reset(debounce *self);
 /* Returns the time at which held-back changes are due; INT64_MAX: none. */
 int64_t debounce_due_ns(const debounce *self);
 /* Applies the changes due at time_ns. Returns true if something changed. Call it, at the time from
- * debounce_due_ns, before debounce_take of a later time. */
+ * debounce_due_ns, before debounce_update of a later time. */
 bool debounce_settle(debounce *self, int64_t time_ns, int64_t window_ns);
 /* Processes the switch values at time_ns. Bit n of `analogue`: switch n is not debounced. Returns
  * true if `shown` changed. */
-bool debounce_take(debounce *self, const float value[DEBOUNCE_SWITCHES], uint32_t analogue,
-                   int64_t time_ns, int64_t window_ns);
+bool debounce_update(debounce *self, const float value[DEBOUNCE_SWITCHES], uint32_t analogue,
+                     int64_t time_ns, int64_t window_ns);
 
 #endif

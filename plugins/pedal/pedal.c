@@ -121,7 +121,7 @@ static void read_fields(mrt_plugin *self, uint8_t *bytes, size_t size)
     trace_note(&self->trace, now_ns, "report descriptor:");
     trace_received(&self->trace, now_ns, bytes, size);
     if (descriptor_parse(&self->fields, bytes, size, reason) < 0)
-        device_say(self->host, MRT_LOG_WARNING, "%.60s at usb:%s: %s", self->name,
+        device_log(self->host, MRT_LOG_WARNING, "%.60s at usb:%s: %s", self->name,
                    self->device.path, reason);
 }
 
@@ -187,7 +187,7 @@ static void make_channels(mrt_plugin *self, const double *params)
                                           0.0f,
                                           1.0f};
         if (i < count && !is_pedal)
-            device_say(self->host, MRT_LOG_WARNING,
+            device_log(self->host, MRT_LOG_WARNING,
                        "switch %u (%s) of %.60s has no pedal: the number is above 4 or already "
                        "used. Set switch_%u",
                        i + 1, self->channel_names[i], self->name, i + 1);
@@ -217,7 +217,7 @@ static void explain(mrt_plugin *self, usb_failure failure, attempt *out)
                  usb_failure_text(self->usb));
     }
     out->result = failure == USB_NO_MEMORY ? MRT_ERR_MEMORY : MRT_ERR_IO;
-    out->may_pass = failure != USB_BROKEN && usb_came_lately(self->usb, &self->device);
+    out->may_pass = failure != USB_BROKEN && usb_is_new(self->usb, &self->device);
     snprintf(out->text, sizeof out->text, "%.40s at usb:%s: %s", self->name, self->device.path,
              advice);
 }
@@ -263,12 +263,12 @@ static void report_opened(const mrt_plugin *self)
 {
     char advice[ADVICE_TEXT];
     if (self->layout.switch_count > 0) {
-        device_say(self->host, MRT_LOG_INFO, "%.60s at usb:%s: %u switches", self->name,
+        device_log(self->host, MRT_LOG_INFO, "%.60s at usb:%s: %u switches", self->name,
                    self->device.path, self->layout.switch_count);
         return;
     }
     advice_unknown(advice, &self->device);
-    device_say(self->host, MRT_LOG_WARNING, "%.60s at usb:%s: %s", self->name, self->device.path,
+    device_log(self->host, MRT_LOG_WARNING, "%.60s at usb:%s: %s", self->name, self->device.path,
                advice);
 }
 
@@ -297,7 +297,7 @@ static void explain_absence(const mrt_plugin *self, const address *wanted, attem
 static void try_to_open(mrt_plugin *self, const address *wanted, const double *params, attempt *out)
 {
     usb_device found[USB_DEVICES];
-    uint32_t count = usb_look(self->usb, found, USB_DEVICES);
+    uint32_t count = usb_list(self->usb, found, USB_DEVICES);
     explain_absence(self, wanted, out);
     bool was_found = false;
     for (uint32_t i = 0; i < count && i < USB_DEVICES; ++i) {
@@ -315,7 +315,7 @@ static void try_to_open(mrt_plugin *self, const address *wanted, const double *p
         if (one.result == MRT_OK || !was_found)
             *out = one;
         if (one.result == MRT_OK && complaint[0])
-            device_say(self->host, MRT_LOG_WARNING, "%s", complaint);
+            device_log(self->host, MRT_LOG_WARNING, "%s", complaint);
         if (one.result == MRT_OK)
             return;
         was_found = true;
@@ -349,7 +349,7 @@ static bool has_usb(mrt_plugin *self)
     if (!self->usb)
         self->usb = usb_create(self->host);
     if (!self->usb)
-        device_say(self->host, MRT_LOG_ERROR,
+        device_log(self->host, MRT_LOG_ERROR,
                    "cannot use USB: check that /dev/bus/usb exists and memory is available");
     return self->usb != NULL;
 }
@@ -367,7 +367,7 @@ static mrt_result pedal_open(mrt_plugin *self, const char *text, const double *p
     address wanted;
     pedal_close(self);
     if (!address_parse(&wanted, text)) {
-        device_say(self->host, MRT_LOG_ERROR,
+        device_log(self->host, MRT_LOG_ERROR,
                    "\"%.60s\" is not the address of a pedal: write usb:1-2.3 (a USB port), "
                    "usb:05f3:00ff (vendor and product), or nothing for the first pedal",
                    text);
@@ -386,7 +386,7 @@ static mrt_result pedal_open(mrt_plugin *self, const char *text, const double *p
     }
     if (last.result < 0) {
         trace_close(&self->trace);
-        device_say(self->host, MRT_LOG_ERROR, "%s", last.text);
+        device_log(self->host, MRT_LOG_ERROR, "%s", last.text);
         return last.result;
     }
     bind_to_socket(self);
@@ -433,7 +433,7 @@ static void judge(const mrt_plugin *self, const usb_device *device, const layout
     if (!endpoint) {
         out->state = MRT_DEVICE_UNSURE;
         advice_no_endpoint(out->advice, device);
-    } else if (!system_may_open(device)) {
+    } else if (!system_can_open(device)) {
         out->state = MRT_DEVICE_DENIED;
         advice_denied(out->advice, device);
     } else if (!is_ours(self, device) &&
@@ -464,7 +464,7 @@ static uint32_t pedal_list(mrt_plugin *self, mrt_device *out, uint32_t capacity)
     usb_device found[USB_DEVICES];
     if (!has_usb(self))
         return 0;
-    uint32_t device_count = usb_look(self->usb, found, USB_DEVICES);
+    uint32_t device_count = usb_list(self->usb, found, USB_DEVICES);
     uint32_t count = 0;
     for (uint32_t i = 0; i < device_count && i < USB_DEVICES; ++i) {
         char complaint[LAYOUT_FILE_REASON];
@@ -494,9 +494,9 @@ static void ask(const mrt_plugin *self)
 {
     uint32_t found = self->learn.found.switch_count;
     if (found == 0)
-        device_say(self->host, MRT_LOG_INFO, "learn: press and release switch 1");
+        device_log(self->host, MRT_LOG_INFO, "learn: press and release switch 1");
     else
-        device_say(self->host, MRT_LOG_INFO,
+        device_log(self->host, MRT_LOG_INFO,
                    "learn: switch %u is learned: press and release switch %u, or an earlier one "
                    "again to finish",
                    found, found + 1);
@@ -519,11 +519,11 @@ static void finish(mrt_plugin *self)
     char reason[LAYOUT_FILE_REASON], path[LAYOUT_FILE_PATH];
     const layout *found = &self->learn.found;
     if (layout_file_store(found, reason) < 0) {
-        device_say(self->host, MRT_LOG_ERROR, "learn: given up: %s", reason);
+        device_log(self->host, MRT_LOG_ERROR, "learn: given up: %s", reason);
         return;
     }
     (void)layout_file_path(path, found->vendor, found->product);
-    device_say(self->host, MRT_LOG_INFO, "learn: done: %u switches of %.60s are stored in %s",
+    device_log(self->host, MRT_LOG_INFO, "learn: done: %u switches of %.60s are stored in %s",
                found->switch_count, found->name, path);
     adopt(self);
 }
@@ -538,7 +538,7 @@ static void say_progress(mrt_plugin *self)
         finish(self);
         break;
     case LEARN_FAILED:
-        device_say(self->host, MRT_LOG_WARNING,
+        device_log(self->host, MRT_LOG_WARNING,
                    "learn: given up: no switch was pressed and released within 15 s: start again");
         break;
     default:
@@ -557,7 +557,7 @@ static void give_up_learning(mrt_plugin *self)
     if (!learn_is_running(&self->learn))
         return;
     self->learn.stage = LEARN_FAILED;
-    device_say(self->host, MRT_LOG_WARNING,
+    device_log(self->host, MRT_LOG_WARNING,
                "learn: given up: the device was disconnected: start again");
 }
 
@@ -601,7 +601,7 @@ static mrt_result give_loss(mrt_plugin *self, mrt_sample *out)
     if (!self->has_told_loss) {
         self->has_told_loss = true;
         trace_note(&self->trace, self->host->now_ns(self->host), "gone");
-        device_say(self->host, MRT_LOG_ERROR,
+        device_log(self->host, MRT_LOG_ERROR,
                    "%.60s at usb:%s was disconnected (%s): plug it in again", self->name,
                    self->device.path, usb_failure_text(self->usb));
     }
@@ -627,8 +627,8 @@ static bool take_report(mrt_plugin *self, const double *params)
         return false;
     }
     return decode_report(&self->layout, report->bytes, report->size, self->value) &&
-           debounce_take(&self->debounce, self->value, self->analogue, report->time_ns,
-                         window_ns(params));
+           debounce_update(&self->debounce, self->value, self->analogue, report->time_ns,
+                           window_ns(params));
 }
 
 /* Applies held-back changes that are due. Returns true if a sample was written. */
@@ -644,8 +644,8 @@ static bool give_settled(mrt_plugin *self, const double *params, int64_t time_ns
 /* Returns the time of the next action if the device stays silent. */
 static int64_t next_due_ns(const mrt_plugin *self)
 {
-    int64_t due = device_sooner_ns(debounce_due_ns(&self->debounce), self->repeat_due_ns);
-    return learn_is_running(&self->learn) ? device_sooner_ns(due, self->learn.until_ns) : due;
+    int64_t due = device_earlier_ns(debounce_due_ns(&self->debounce), self->repeat_due_ns);
+    return learn_is_running(&self->learn) ? device_earlier_ns(due, self->learn.until_ns) : due;
 }
 
 /* Processes the waiting report, after changes that were due before it. Returns MRT_TIMEOUT if it
@@ -679,7 +679,7 @@ static void begin_learning(mrt_plugin *self)
     if (!learn_is_running(&self->learn)) {
         learn_start(&self->learn, &self->layout,
                     self->fields.field_count > 0 ? &self->fields : NULL, now_ns);
-        device_say(self->host, MRT_LOG_INFO, "learn: take your feet off %.60s at usb:%s",
+        device_log(self->host, MRT_LOG_INFO, "learn: take your feet off %.60s at usb:%s",
                    self->name, self->device.path);
     }
     memset(self->value, 0, sizeof self->value);
@@ -718,7 +718,7 @@ static mrt_result pedal_read(mrt_plugin *self, const double *params, int64_t dea
         if (self->has_report) {
             result = read_report(self, params, out_sample);
         } else {
-            usb_event event = usb_wait(self->usb, device_sooner_ns(deadline_ns, next_due_ns(self)),
+            usb_event event = usb_wait(self->usb, device_earlier_ns(deadline_ns, next_due_ns(self)),
                                        &self->report);
             self->has_report = event == USB_REPORTED;
             self->is_lost = event == USB_LOST;

@@ -76,7 +76,7 @@ static void find_node(char out[NODE], const usb_device *device)
     snprintf(out, NODE, "/dev/bus/usb/%03u/%03u", device->bus, device->number);
 }
 
-bool system_may_open(const usb_device *device)
+bool system_can_open(const usb_device *device)
 {
     char node[NODE];
     find_node(node, device);

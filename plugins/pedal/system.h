@@ -15,7 +15,7 @@ void system_product(char out[SYSTEM_NAME], const char *path);
 size_t system_descriptor(const char *path, uint8_t interface_number, uint8_t *out, size_t capacity);
 
 /* Returns true if this user may read and write the node. */
-bool system_may_open(const usb_device *device);
+bool system_can_open(const usb_device *device);
 /* Returns true if a program, not a kernel driver, has claimed the interface. */
 bool system_is_claimed(const char *path, uint8_t interface_number);
 

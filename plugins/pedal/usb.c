@@ -245,14 +245,14 @@ static void remember_look(usb *self, const usb_device *device, uint32_t count)
     self->has_looked = true;
 }
 
-bool usb_came_lately(const usb *self, const usb_device *device)
+bool usb_is_new(const usb *self, const usb_device *device)
 {
     const present_device *known =
         find_present(self->last_look, self->last_count, device->path, device->number);
     return known && known->since_ns > self->host->now_ns(self->host) - lately_ns;
 }
 
-uint32_t usb_look(usb *self, usb_device *out, uint32_t capacity)
+uint32_t usb_list(usb *self, usb_device *out, uint32_t capacity)
 {
     libusb_device **list = NULL;
     uint32_t count = 0;

@@ -50,9 +50,9 @@ void usb_destroy(usb *self); /* closes; accepts NULL */
 
 /* Writes up to `capacity` devices in the order of their USB ports, without hubs. Returns the number
  * present. Does not communicate with the devices. */
-uint32_t usb_look(usb *self, usb_device *out, uint32_t capacity);
+uint32_t usb_list(usb *self, usb_device *out, uint32_t capacity);
 /* Returns true if the device appeared within the last 1.5 s: its permissions may still be set. */
-bool usb_came_lately(const usb *self, const usb_device *device);
+bool usb_is_new(const usb *self, const usb_device *device);
 
 /* Detaches the kernel's driver, claims the interface and begins to receive. */
 usb_failure usb_open(usb *self, const usb_device *device, const usb_endpoint *endpoint);

@@ -77,21 +77,21 @@ static mrt_result open(mrt_plugin *self, const char *address, const double *para
     const char *rest = is_told ? address + 3 : address;
     close(self);
     if (rest[0] && !udp_address_parse(host, &port, rest, strlen(rest))) {
-        device_say(self->host, MRT_LOG_ERROR,
+        device_log(self->host, MRT_LOG_ERROR,
                    "\"%.100s\" is not an address: write an address to listen on, as in 0.0.0.0:%d, "
                    "or to:HOST:%d to send without a request",
                    address, PORT, PORT);
         return MRT_ERR_ARGUMENT;
     }
     udp_peer named;
-    if (is_told && !udp_peer_find(&named, host, port, reason)) {
-        device_say(self->host, MRT_LOG_ERROR, "%.200s: write an address, as in to:192.168.1.20:%d",
+    if (is_told && !udp_peer_resolve(&named, host, port, reason)) {
+        device_log(self->host, MRT_LOG_ERROR, "%.200s: write an address, as in to:192.168.1.20:%d",
                    reason, PORT);
         return MRT_ERR_IO;
     }
     self->socket = is_told ? udp_bind(any_of(&named), 0, reason) : udp_bind(host, port, reason);
     if (self->socket < 0) {
-        device_say(self->host, MRT_LOG_ERROR, "%s", reason);
+        device_log(self->host, MRT_LOG_ERROR, "%s", reason);
         return MRT_ERR_IO;
     }
     trace_open(&self->trace, self->host, "ifacialmocap");
@@ -142,7 +142,7 @@ static void welcome(mrt_plugin *self, const udp_peer *at, bool has_version_2)
     udp_peer_text(at, text, sizeof text);
     if (!receivers_find(&self->to, at) && !udp_peer_is_near(at)) {
         if (!self->has_told_far)
-            device_say(self->host, MRT_LOG_WARNING,
+            device_log(self->host, MRT_LOG_WARNING,
                        "ignored the request of %s: it is not in a network of this computer. To "
                        "send there, add the output ifacialmocap:to:%s",
                        text, text);
@@ -151,11 +151,11 @@ static void welcome(mrt_plugin *self, const udp_peer *at, bool has_version_2)
     }
     switch (receivers_greeted(&self->to, at, has_version_2, device_clock_ns())) {
     case RECEIVER_IS_NEW:
-        device_say(self->host, MRT_LOG_INFO, "%s requested the face", text);
+        device_log(self->host, MRT_LOG_INFO, "%s requested the face", text);
         break;
     case RECEIVER_HAS_NO_PLACE:
         if (!self->has_told_full)
-            device_say(self->host, MRT_LOG_WARNING,
+            device_log(self->host, MRT_LOG_WARNING,
                        "ignored the request of %s: the limit of %d receivers is reached", text,
                        RECEIVERS_MAX);
         self->has_told_full = true;
@@ -196,7 +196,7 @@ static void forget(mrt_plugin *self)
     for (receiver_end end;
          (end = receivers_forget_one(&self->to, device_clock_ns(), &at)) != RECEIVER_STAYS;) {
         udp_peer_text(&at, text, sizeof text);
-        device_say(self->host, MRT_LOG_INFO,
+        device_log(self->host, MRT_LOG_INFO,
                    end == RECEIVER_REFUSED
                        ? "%s stopped listening: sending stops until its next request"
                        : "%s sent no request for 12 hours: sending stops until its next request",

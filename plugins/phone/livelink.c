@@ -92,7 +92,7 @@ static mrt_result claim(mrt_plugin *self, int number)
     if (self->claim >= 0 && bind(self->claim, (struct sockaddr *)&name, size) != 0 &&
         errno == EADDRINUSE) {
         give_back(self);
-        device_say(self->to.host, MRT_LOG_ERROR,
+        device_log(self->to.host, MRT_LOG_ERROR,
                    "another program sends there as the same device: close it, or set subject=%d",
                    number < SUBJECTS ? number + 1 : 1);
         return MRT_ERR_IO;

@@ -60,7 +60,7 @@ static void input_close(mrt_plugin *self)
     if (self->socket < 0)
         return;
     if (self->faulty_count > 0)
-        device_say(self->host, MRT_LOG_INFO, "port %u: %u datagrams did not contain a face",
+        device_log(self->host, MRT_LOG_INFO, "port %u: %u datagrams did not contain a face",
                    (unsigned)self->port, self->faulty_count);
     udp_close(self->socket);
     trace_close(&self->trace);
@@ -74,7 +74,7 @@ static int listen_for(mrt_plugin *self, const char *named, char reason[UDP_REASO
     bool is_named = named[0] && strcmp(named, "0.0.0.0") != 0;
     self->heard = HEARD_ANYBODY;
     self->is_asking = is_named || self->port == PORT_IFACIALMOCAP;
-    if (!udp_peer_find(&self->phone, is_named ? named : "255.255.255.255", self->port, reason))
+    if (!udp_peer_resolve(&self->phone, is_named ? named : "255.255.255.255", self->port, reason))
         return -1;
     if (is_named && udp_is_own(&self->phone))
         return udp_bind(named, self->port, reason);
@@ -89,7 +89,7 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
     input_close(self);
     self->port = PORT_LIVE_LINK;
     if (address[0] && !udp_address_parse(named, &self->port, address, strlen(address))) {
-        device_say(self->host, MRT_LOG_ERROR,
+        device_log(self->host, MRT_LOG_ERROR,
                    "\"%.60s\" is not a port: write phone:11111 for Live Link Face, phone:49983 or "
                    "phone:192.168.1.30:49983 (the phone's address) for iFacialMocap, phone:11573 "
                    "for OpenSeeFace",
@@ -98,7 +98,7 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
     }
     self->socket = listen_for(self, named, reason);
     if (self->socket < 0) {
-        device_say(self->host, MRT_LOG_ERROR, "%s", reason);
+        device_log(self->host, MRT_LOG_ERROR, "%s", reason);
         return MRT_ERR_IO;
     }
     const int on = 1;
@@ -131,7 +131,7 @@ static void ask(mrt_plugin *self)
         return;
     self->has_told_failure = true;
     udp_peer_text(&self->phone, text, sizeof text);
-    device_say(self->host, MRT_LOG_WARNING,
+    device_log(self->host, MRT_LOG_WARNING,
                "port %u: cannot send the request to the phone at %s (%s): write its address, as in "
                "phone:192.168.1.30:%u. Still listening",
                (unsigned)self->port, text, strerror(error), (unsigned)self->port);
@@ -155,7 +155,7 @@ static void tell_other(mrt_plugin *self, const udp_peer *peer, const char *why)
         return;
     self->has_told_other = true;
     udp_peer_text(peer, text, sizeof text);
-    device_say(self->host, MRT_LOG_WARNING, "port %u: ignored a second face from %s: %s",
+    device_log(self->host, MRT_LOG_WARNING, "port %u: ignored a second face from %s: %s",
                (unsigned)self->port, text, why);
 }
 
@@ -173,7 +173,7 @@ static void refuse(mrt_plugin *self, size_t size)
     if (self->has_told_fault)
         return;
     self->has_told_fault = true;
-    device_say(self->host, MRT_LOG_WARNING,
+    device_log(self->host, MRT_LOG_WARNING,
                "port %u: ignored a datagram of %zu bytes: expected Live Link Face, iFacialMocap or "
                "OpenSeeFace",
                (unsigned)self->port, size);
@@ -248,7 +248,7 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
             udp_receive(self->socket, self->datagram, sizeof self->datagram, &peer, wake_ns);
         now_ns = device_clock_ns();
         if (size == UDP_FAILED) {
-            device_say(self->host, MRT_LOG_ERROR, "port %u: the network failed (%s)",
+            device_log(self->host, MRT_LOG_ERROR, "port %u: the network failed (%s)",
                        (unsigned)self->port, strerror(errno));
             return MRT_ERR_IO;
         }

@@ -164,7 +164,7 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     attend(self, hand, params);
     if (!hand)
         return MRT_HOLD;
-    space_weigh(&self->fit, hand->angle, wanted);
+    space_weights(&self->fit, hand->angle, wanted);
     double share = smoothing_share(frame->dt_s, params[EASE]);
     for (int pose = 0; pose < SPACE_POSES; ++pose) {
         self->weight[pose] += share * (wanted[pose] - self->weight[pose]);

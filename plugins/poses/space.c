@@ -160,7 +160,7 @@ void space_find(space_fit *out, const space_shown *shown, double ridge, double w
     out->left_out = left_out(out, &m, shown);
 }
 
-void space_weigh(const space_fit *self, const float angle[MRT_ANGLES], double out[SPACE_POSES])
+void space_weights(const space_fit *self, const float angle[MRT_ANGLES], double out[SPACE_POSES])
 {
     double at[MRT_ANGLES], sum = 0.0;
     memset(out, 0, SPACE_POSES * sizeof *out);

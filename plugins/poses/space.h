@@ -29,6 +29,6 @@ void space_show(space_shown *self, unsigned pose, const float angle[MRT_ANGLES])
  * different poses. */
 void space_find(space_fit *out, const space_shown *shown, double ridge, double width);
 /* Writes the weight of each pose: not negative, with a sum of at most 1. */
-void space_weigh(const space_fit *self, const float angle[MRT_ANGLES], double out[SPACE_POSES]);
+void space_weights(const space_fit *self, const float angle[MRT_ANGLES], double out[SPACE_POSES]);
 
 #endif

@@ -282,7 +282,7 @@ mrt_result listener_open(listener *self, const char *address, const char *called
     self->from = microphone_open(address ? address : "", reason);
     if (!self->from) {
         if (!self->has_told_loss)
-            device_say(self->host, MRT_LOG_ERROR, "%s", reason[0] ? reason : "no memory");
+            device_log(self->host, MRT_LOG_ERROR, "%s", reason[0] ? reason : "no memory");
         return MRT_ERR_IO;
     }
     self->device = (mrt_device){.state = MRT_DEVICE_READY};
@@ -298,7 +298,7 @@ mrt_result listener_open(listener *self, const char *address, const char *called
 
 static mrt_result lose(listener *self)
 {
-    device_say(self->host, MRT_LOG_ERROR, "%.100s was disconnected: plug it in again",
+    device_log(self->host, MRT_LOG_ERROR, "%.100s was disconnected: plug it in again",
                self->device.name);
     self->has_told_loss = true;
     stop(self);

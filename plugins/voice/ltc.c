@@ -53,7 +53,8 @@ static bool decode(mrt_plugin *self, mrt_sample *out)
 {
     ltc_frame frame;
     while (self->block_at < self->block_size)
-        if (ltc_take(&self->decoder, self->block[self->block_at++] / 32768.0, &frame)) {
+        if (ltc_decoder_add_sample(&self->decoder, self->block[self->block_at++] / 32768.0,
+                                   &frame)) {
             give(self, &frame, out);
             return true;
         }

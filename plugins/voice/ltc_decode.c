@@ -157,7 +157,7 @@ static bool read_frame(ltc_decoder *self, double end, ltc_frame *out)
     return true;
 }
 
-bool ltc_take(ltc_decoder *self, double sample, ltc_frame *out)
+bool ltc_decoder_add_sample(ltc_decoder *self, double sample, ltc_frame *out)
 {
     double at;
     bool is_whole = false;

@@ -33,6 +33,6 @@ typedef struct ltc_decoder {
 
 void ltc_decoder_init(ltc_decoder *self, double sample_rate_hz);
 /* Processes a sample. Returns true if a frame ended and the frame rate is known. */
-bool ltc_take(ltc_decoder *self, double sample, ltc_frame *out);
+bool ltc_decoder_add_sample(ltc_decoder *self, double sample, ltc_frame *out);
 
 #endif

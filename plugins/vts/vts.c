@@ -114,7 +114,7 @@ static bool ask(mrt_plugin *self, const char *type, json_t *data)
                                 "apiVersion", "1.0", "requestID", type, "messageType", type, "data",
                                 data ? data : json_object());
     char *text = request ? json_dumps(request, JSON_COMPACT | JSON_REAL_PRECISION(6)) : NULL;
-    bool was_sent = text && websocket_say(&self->socket, text, strlen(text));
+    bool was_sent = text && websocket_send(&self->socket, text, strlen(text));
     free(text);
     json_decref(request);
     return was_sent;
@@ -131,7 +131,7 @@ static void request_token(mrt_plugin *self)
     self->stage = STAGE_TOKEN;
     (void)ask(self, "AuthenticationTokenRequest", who());
     if (!self->is_told)
-        device_say(self->host, MRT_LOG_WARNING, "allow marotte in the dialog of VTube Studio");
+        device_log(self->host, MRT_LOG_WARNING, "allow marotte in the dialog of VTube Studio");
     self->is_told = true;
 }
 
@@ -204,7 +204,7 @@ static void keep_token(mrt_plugin *self)
                  : -1;
     size_t size = strlen(self->token);
     if (fd < 0 || write(fd, self->token, size) != (ssize_t)size)
-        device_say(self->host, MRT_LOG_WARNING,
+        device_log(self->host, MRT_LOG_WARNING,
                    "cannot store the token: VTube Studio will ask again next time");
     if (fd >= 0)
         (void)close(fd);
@@ -319,7 +319,7 @@ static mrt_result open_output(mrt_plugin *self, const char *address, const doubl
     (void)snprintf(self->host_name, sizeof self->host_name, "127.0.0.1");
     self->port = PORT;
     if (address[0] && !udp_address_parse(self->host_name, &self->port, address, strlen(address))) {
-        device_say(self->host, MRT_LOG_ERROR,
+        device_log(self->host, MRT_LOG_ERROR,
                    "\"%.100s\" is not an address: expected HOST:PORT, as in 192.168.1.20:%d",
                    address, PORT);
         return MRT_ERR_ARGUMENT;
@@ -355,7 +355,7 @@ static void go_on(mrt_plugin *self)
         self->idle_ns = now_ns;
         (void)websocket_connect(&self->socket, self->host_name, self->port);
     }
-    if (!websocket_go_on(&self->socket))
+    if (!websocket_step(&self->socket))
         return;
     if (websocket_is_idle(&self->socket) && self->socket.state == WEBSOCKET_OPEN)
         self->idle_ns = now_ns;
@@ -363,10 +363,10 @@ static void go_on(mrt_plugin *self)
         websocket_close(&self->socket);
     if (self->socket.state == WEBSOCKET_OPEN && self->stage == STAGE_AWAY)
         log_in(self);
-    for (const char *text = websocket_take(&self->socket); text;
-         text = websocket_take(&self->socket))
+    for (const char *text = websocket_receive(&self->socket); text;
+         text = websocket_receive(&self->socket))
         hear(self, text);
-    (void)websocket_go_on(&self->socket); /* its answers and pongs must not delay a face */
+    (void)websocket_step(&self->socket); /* its answers and pongs must not delay a face */
 }
 
 static mrt_result send_face(mrt_plugin *self, const double *params, const mrt_face_sample *sample)
@@ -376,7 +376,7 @@ static mrt_result send_face(mrt_plugin *self, const double *params, const mrt_fa
     if (self->stage == STAGE_READY && websocket_is_idle(&self->socket))
         inject(self, sample);
     if (self->socket.state == WEBSOCKET_OPEN)
-        (void)websocket_go_on(&self->socket);
+        (void)websocket_step(&self->socket);
     return self->socket.state == WEBSOCKET_OPEN && self->stage == STAGE_READY ? MRT_OK
                                                                               : MRT_TIMEOUT;
 }

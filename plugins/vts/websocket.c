@@ -169,7 +169,7 @@ static bool is_connected(const websocket *self, bool *out_failed)
     return true;
 }
 
-bool websocket_go_on(websocket *self)
+bool websocket_step(websocket *self)
 {
     bool has_failed = self->state == WEBSOCKET_CLOSED;
     if (self->state == WEBSOCKET_CONNECTING && is_connected(self, &has_failed) && !has_failed)
@@ -215,7 +215,7 @@ static bool put_frame(websocket *self, uint32_t op, const void *text, size_t siz
     return true;
 }
 
-bool websocket_say(websocket *self, const char *text, size_t size)
+bool websocket_send(websocket *self, const char *text, size_t size)
 {
     return self->state == WEBSOCKET_OPEN && put_frame(self, WEB_TEXT, text, size);
 }
@@ -243,7 +243,7 @@ static bool look(const websocket *self, size_t *out_head, size_t *out_size, bool
     return !*out_broken && self->in_size >= head + size;
 }
 
-const char *websocket_take(websocket *self)
+const char *websocket_receive(websocket *self)
 {
     size_t head, size;
     bool is_broken = false;

@@ -32,14 +32,14 @@ void websocket_finish(websocket *self);
 bool websocket_connect(websocket *self, const char *host, uint16_t port);
 /* Reads and writes as far as possible without waiting. Returns false if the connection is
  * closed. */
-bool websocket_go_on(websocket *self);
+bool websocket_step(websocket *self);
 /* Returns true if all texts were handed to the system. */
 bool websocket_is_idle(const websocket *self);
 /* Queues a text. Returns false if there is no space now. */
-bool websocket_say(websocket *self, const char *text, size_t size);
+bool websocket_send(websocket *self, const char *text, size_t size);
 /* Returns the next text, 0-ended and valid until the next call; NULL: none now. Closes the
  * connection on a protocol error. */
-const char *websocket_take(websocket *self);
+const char *websocket_receive(websocket *self);
 void websocket_close(websocket *self);
 
 #endif

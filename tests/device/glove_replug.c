@@ -35,7 +35,7 @@ static const int64_t away_ns = 260 * NS_PER_MS; /* a shorter gap is none to ease
 
 typedef struct seen {
     _Atomic uint64_t pull_count;
-    _Atomic uint32_t went_count, came_count;
+    _Atomic uint32_t went_count, returned_count;
     bool has_last;
     mrt_frame last, before_gap;
     uint32_t since_gap, still_count; /* still_count: records of one time */
@@ -102,7 +102,7 @@ static void see_incident(void *data, const input *from, const input_incident *wh
     if (what->kind == INPUT_WAS_LOST)
         atomic_fetch_add(&self->went_count, 1);
     else if (what->kind == INPUT_IS_BACK)
-        atomic_fetch_add(&self->came_count, 1);
+        atomic_fetch_add(&self->returned_count, 1);
 }
 
 typedef struct performance {
@@ -172,7 +172,7 @@ static void replug(glove_child *child, seen *self, uint32_t turn)
     glove_child_say(child, "plug");
     if (glove_child_wait_ready(child, &err) < 0)
         fail_msg("%s", err.text);
-    if (!wait_until(&self->came_count, turn))
+    if (!wait_until(&self->returned_count, turn))
         fail_msg("return %u was not noticed", turn);
     if (!wait_for_samples(self, turn % LONG_EVERY == 0 ? LONG_LIFE : SHORT_LIFE))
         fail_msg("no samples after return %u", turn);
@@ -224,7 +224,7 @@ static void a_glove_comes_back_each_time(void **state)
     if (p.result < 0)
         fail_msg("%s", p.err.text);
     assert_int_equal(p.report.went_count, replugs);
-    assert_int_equal(p.report.came_count, replugs);
+    assert_int_equal(p.report.returned_count, replugs);
     assert_false(p.report.input_failed);
     assert_int_equal(p.report.refused, 0);
     assert_int_equal(p.stage.performer->counts->bad_pulls, 0);

@@ -34,7 +34,7 @@ static heard hear(ltc_sound *of, ltc_decoder *by, double seconds, double gain, d
         ltc_frame frame;
         seed = seed * 1664525 + 1013904223;
         const double hiss = noise * ((double)(seed >> 8) / (1 << 23) - 1.0);
-        if (!ltc_take(by, gain * ltc_sound_next(of) + offset + hiss, &frame))
+        if (!ltc_decoder_add_sample(by, gain * ltc_sound_next(of) + offset + hiss, &frame))
             continue;
         if (out.count == 0) {
             out.first = frame;
@@ -130,7 +130,11 @@ static void what_is_no_time_code_says_nothing(void **state)
         seed = seed * 1664525 + 1013904223;
         const double hiss = (double)(seed >> 8) / (1 << 23) - 1.0;
         const double tone = sin((double)i * 0.26);
-        assert_false(ltc_take(&decoder, i < 20 * RATE ? hiss : i < 40 * RATE ? tone : 0.0, &frame));
+        assert_false(ltc_decoder_add_sample(&decoder,
+                                            i < 20 * RATE   ? hiss
+                                            : i < 40 * RATE ? tone
+                                                            : 0.0,
+                                            &frame));
     }
 }
 

@@ -287,7 +287,7 @@ static void other_channels_are_noticed(void **state)
     assert_true(room->listener.has_other_channels);
     assert_int_equal(room->listener.table.count, 3); /* fixed while open */
     osc_dispatcher_leave(&room->dispatcher, &room->listener);
-    osc_listener_rearm(&room->listener);
+    osc_listener_reset(&room->listener);
     osc_dispatcher_join(&room->dispatcher, &room->listener, room->now_ns);
     assert_int_equal(room->listener.table.count, 2);
     assert_false(room->listener.has_other_channels);

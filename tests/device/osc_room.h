@@ -57,8 +57,8 @@ static inline osc_room *osc_room_forwarded(const char *wanted)
 /* Hands the packet over and empties it. */
 static inline void osc_room_take(osc_room *self, const udp_peer *peer, osc_bytes *packet)
 {
-    osc_dispatcher_take(&self->dispatcher, packet->data, packet->size, peer, self->now_ns,
-                        &self->host);
+    osc_dispatcher_process(&self->dispatcher, packet->data, packet->size, peer, self->now_ns,
+                           &self->host);
     packet->size = 0;
 }
 

@@ -48,7 +48,7 @@ static void parse_all(const uint8_t *bytes, size_t size, glove_layout layout, si
         size_t room = glove_parse_room(&parse);
         assert(room > 0);
         part = part < room ? part : room;
-        glove_parse_put(&parse, bytes + at, part);
+        glove_parse_append(&parse, bytes + at, part);
         at += part;
         while (glove_parse_next(&parse, &record)) {
             check_record(&parse, &record);
@@ -76,7 +76,7 @@ static void answer_all(const uint8_t *bytes, size_t size)
     if (glove_layout_guess(bytes, size, &guess))
         assert(guess.sensor_count == 18 || guess.sensor_count == 22);
     if (size >= 8) {
-        const glove_census census = {bytes[0], mask_of(bytes + 1), mask_of(bytes + 4), bytes[7]};
+        const glove_reported census = {bytes[0], mask_of(bytes + 1), mask_of(bytes + 4), bytes[7]};
         glove_sensors sensors;
         if (glove_sensors_find(&census, &sensors))
             assert(sensors.count >= 1 && sensors.count <= GLOVE_SENSORS_MAX);

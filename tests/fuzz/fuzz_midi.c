@@ -57,7 +57,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     midi_parser_init(&parser, data[0] & 1);
     for (size_t i = 1; i < size; ++i) {
         midi_event event;
-        if (midi_take(&parser, data[i], &event))
+        if (midi_parser_add_byte(&parser, data[i], &event))
             take_event(&event);
     }
     return 0;

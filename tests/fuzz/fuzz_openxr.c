@@ -36,7 +36,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         const size_t part = size < sizeof record ? size : sizeof record;
         memset(&record, 0, sizeof record);
         memcpy(&record, data, part);
-        if (openxr_record_take(&record)) {
+        if (openxr_record_validate(&record)) {
             if (memchr(record.text, '\0', sizeof record.text) == NULL)
                 abort();
             for (const char *c = record.text; *c; ++c)

@@ -23,7 +23,7 @@ static void take(osc_dispatcher *dispatcher, const mrt_host *host, const uint8_t
     if (!copy)
         return;
     memcpy(copy, data, size);
-    osc_dispatcher_take(dispatcher, copy, size, &peer, now_ns, host);
+    osc_dispatcher_process(dispatcher, copy, size, &peer, now_ns, host);
     free(copy);
 }
 

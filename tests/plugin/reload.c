@@ -98,7 +98,7 @@ static void until_taken(watched *w)
     for (int i = 0; i < 30000; ++i) {
         if (step(w))
             return;
-        if (reload_counted(w->reload).refused > w->refused)
+        if (reload_get_counts(w->reload).refused > w->refused)
             fail_with_news(w);
         clock_sleep_until_ns(clock_now_ns() + 2 * NS_PER_MS);
     }
@@ -108,7 +108,7 @@ static void until_taken(watched *w)
 static void until_counted(watched *w, uint32_t taken, uint32_t refused)
 {
     for (int i = 0; i < 30000; ++i) {
-        reload_counts now = reload_counted(w->reload);
+        reload_counts now = reload_get_counts(w->reload);
         if (now.taken == taken && now.refused == refused)
             return;
         (void)step(w);
@@ -225,7 +225,7 @@ static void half_a_library_is_waited_for(void **state)
         assert_false(step(&w));
         clock_sleep_until_ns(clock_now_ns() + 2 * NS_PER_MS);
     }
-    reload_counts now = reload_counted(w.reload);
+    reload_counts now = reload_get_counts(w.reload);
     assert_int_equal(now.taken + now.refused, 0);
     file_bytes_finish(&bytes);
     build(LATER);

@@ -186,11 +186,11 @@ static void vectors_beyond_the_limit_are_counted(void **state)
                 pulls[p], (mrt_vec3){-70.0f + 3.5f * (float)i, 30.0f + 100.0f * (float)p, 55.0f},
                 1.0f);
     fixture_move(&d);
-    assert_int_equal(composer_counted(d.composer)->left_out, 16);
+    assert_int_equal(composer_get_counts(d.composer)->left_out, 16);
     (void)fixture_shown(&d); /* none is held */
     fixture_go(&d, 0);
     fixture_move(&d);
-    assert_int_equal(composer_counted(d.composer)->left_out, 16);
+    assert_int_equal(composer_get_counts(d.composer)->left_out, 16);
     fixture_tear_down(&d);
 }
 

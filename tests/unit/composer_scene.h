@@ -45,7 +45,7 @@ static inline void fixture_move(fixture *d)
 static inline uint64_t fixture_shown(fixture *d)
 {
     composer_draw(d->composer);
-    assert_int_equal(composer_counted(d->composer)->held_pulls, 0);
+    assert_int_equal(composer_get_counts(d->composer)->held_pulls, 0);
     return scene_hash(composer_face(d->composer));
 }
 

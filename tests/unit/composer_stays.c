@@ -65,11 +65,11 @@ static void who_anchors_anew_bakes_only_its_own(void **state)
     fixture_move(&d);
     fixture_expect_height(&d, fixture_left_position, 5, fixture_near_mm);
     fixture_expect_height(&d, fixture_right_position, 3, fixture_near_mm);
-    uint64_t before = composer_counted(d.composer)->engagements;
+    uint64_t before = composer_get_counts(d.composer)->engagements;
     a->anchor += 1;
     a->vector[0].start = a->vector[0].end;
     fixture_move(&d);
-    assert_int_equal(composer_counted(d.composer)->engagements, before + 1);
+    assert_int_equal(composer_get_counts(d.composer)->engagements, before + 1);
     fixture_expect_height(&d, fixture_left_position, 5, fixture_near_mm); /* nothing jumps */
     fixture_expect_height(&d, fixture_right_position, 3, fixture_near_mm);
     fixture_push(a, 0, 1.0f);
@@ -98,7 +98,7 @@ static void who_commits_bakes_only_its_own(void **state)
     a->anchor += 1;
     a->vector[0].start = a->vector[0].end;
     fixture_move(&d);
-    assert_int_equal(composer_counted(d.composer)->commits, 1);
+    assert_int_equal(composer_get_counts(d.composer)->commits, 1);
     fixture_expect_height(&d, fixture_left_position, 5, fixture_near_mm);
     fixture_expect_height(&d, fixture_right_position, 3, fixture_near_mm);
     d.count = 0;

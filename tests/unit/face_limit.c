@@ -67,18 +67,18 @@ static void two_that_pull_through_each_other_fold_nothing(void **state)
     make(&s);
     hold(&s, &without, start);
     squeeze(&s, start, 12.0);
-    assert_true(face_judge(s.face).min_determinant <= 0.0); /* it would */
-    assert_true(face_judge(s.face).held_back_mm <= 0.0);
+    assert_true(face_measure_surface(s.face).min_determinant <= 0.0); /* it would */
+    assert_true(face_measure_surface(s.face).held_back_mm <= 0.0);
     hold(&s, &without, start);
     face_reset(s.face);
     hold(&s, &settings, start);
     for (int i = 0; i <= STEPS; ++i) {
         squeeze(&s, start, 0.2 * i);
-        face_surface now = face_judge(s.face);
+        face_surface now = face_measure_surface(s.face);
         assert_true(now.min_determinant > 0.0);
         assert_int_equal(now.skin.bent_count + now.skin.inside_out_count, 0);
     }
-    assert_true(face_judge(s.face).held_back_mm > 20.0);
+    assert_true(face_measure_surface(s.face).held_back_mm > 20.0);
     squeeze(&s, start, 12.0);
     /* who is far away and pulls alone is not held back with them */
     vec3 brow = scene_shown(&s, scene_at(-14, 18)), rest = scene_rest(&s, scene_at(-14, 18));
@@ -98,7 +98,7 @@ static void what_does_not_fold_keeps_its_bits(void **state)
     hold(&t, &without, start);
     squeeze(&s, start, 1.0);
     squeeze(&t, start, 1.0);
-    assert_true(face_judge(s.face).held_back_mm <= 0.0);
+    assert_true(face_measure_surface(s.face).held_back_mm <= 0.0);
     assert_true(scene_same_bits(face_shown(s.face), face_shown(t.face)));
     face_destroy(s.face);
     face_destroy(t.face);
@@ -150,7 +150,7 @@ static void what_is_given_depends_on_the_frame_alone(void **state)
         hold(&fresh, &settings, start);
         must(face_pull(fresh.face, end[0], dof, &err), &err);
         assert_true(scene_same_bits(face_shown(s.face), face_shown(fresh.face)));
-        held += face_judge(s.face).held_back_mm > 0.0;
+        held += face_measure_surface(s.face).held_back_mm > 0.0;
     }
     print_message("held back in %u of 60\n", held);
     assert_true(held > 10 && held < 50);
@@ -174,8 +174,8 @@ static void what_bones_have_tilted_is_not_turned_over(void **state)
         dof[1] = (float)(i % 5) - 2.0f;
         face_reset(s.face);
         must(face_pull(s.face, NULL, dof, &err), &err);
-        least_alone = fmin(least_alone, face_judge(s.face).min_determinant);
-        bent += face_judge(s.face).skin.bent_count;
+        least_alone = fmin(least_alone, face_measure_surface(s.face).min_determinant);
+        bent += face_measure_surface(s.face).skin.bent_count;
         hold_at(&s, &settings, vertex, start);
         memcpy(end, start, sizeof end);
         for (size_t k = 0; k < 9; ++k) {
@@ -185,8 +185,8 @@ static void what_bones_have_tilted_is_not_turned_over(void **state)
         face_reset(s.face);
         hold_at(&s, &settings, vertex, start);
         must(face_pull(s.face, end[0], dof, &err), &err);
-        least = fmin(least, face_judge(s.face).min_determinant);
-        bent += face_judge(s.face).skin.bent_count;
+        least = fmin(least, face_measure_surface(s.face).min_determinant);
+        bent += face_measure_surface(s.face).skin.bent_count;
     }
     print_message("least determinant %.3f, by the bones alone %.3f, %u edges bent\n", least,
                   least_alone, bent);
@@ -233,22 +233,22 @@ static void space_folds_nowhere_beside_the_skin(void **state)
     make_bare(&s);
     hold_lip(&s, &without, start);
     push(&s, start, DEEP);
-    face_surface asked = face_judge(s.face);
+    face_surface asked = face_measure_surface(s.face);
     assert_true(asked.min_determinant <= 0.0); /* it would */
     face_reset(s.face);
     must(points_create(&before, face_order(s.face), s.mesh.position, &err), &err);
     hold_lip(&s, &settings, start);
     for (int i = 0; i <= 10 * STEPS; ++i) {
         push(&s, start, DEEP * i / (10.0 * STEPS));
-        least = fmin(least, face_judge(s.face).min_determinant);
+        least = fmin(least, face_measure_surface(s.face).min_determinant);
         if (i > 0)
             worst = fmax(worst, scene_greatest_difference(&before, face_shown(s.face)));
         points_copy(&before, face_shown(s.face));
     }
     print_message("least determinant %.4f, greatest step %.4f mm, held back %.2f mm\n", least,
-                  worst, face_judge(s.face).held_back_mm);
+                  worst, face_measure_surface(s.face).held_back_mm);
     assert_true(least > 0.04);
-    assert_true(face_judge(s.face).held_back_mm > 0.1);
+    assert_true(face_measure_surface(s.face).held_back_mm > 0.1);
     assert_true(worst > 0.001 && worst < 2.0 * DEEP / (10.0 * STEPS));
     points_destroy(&before);
     face_destroy(s.face);
@@ -275,7 +275,7 @@ static double pull_out(face_scene *s, const csrbf_settings *with)
     for (int i = 1; i <= STEPS; ++i) {
         vec3 to = vec3_add(scene_rest(s, scene_at(10, 5)), (vec3){0, 0, (double)i});
         tip = drag_one(s, with, tip, to);
-        held = fmax(held, face_judge(s->face).held_back_mm);
+        held = fmax(held, face_measure_surface(s->face).held_back_mm);
     }
     return held;
 }
@@ -290,7 +290,7 @@ static void clay_gives_less_instead_of_tearing(void **state)
         make(&s);
         face_destroy(s.face);
         double held = pull_out(&s, &with);
-        face_surface now = face_judge(s.face);
+        face_surface now = face_measure_surface(s.face);
         assert_true(now.skin.stretch <= most + 1e-4);
         assert_true(now.skin.stretch > 0.8 * most);
         assert_int_equal(now.skin.bent_count + now.skin.inside_out_count, 0);
@@ -300,7 +300,7 @@ static void clay_gives_less_instead_of_tearing(void **state)
     make(&s);
     face_destroy(s.face);
     (void)pull_out(&s, &without);
-    assert_true(face_judge(s.face).skin.stretch > 9.0); /* it would */
+    assert_true(face_measure_surface(s.face).skin.stretch > 9.0); /* it would */
     face_destroy(s.face);
 }
 
@@ -321,13 +321,13 @@ static void clay_on_the_skull_is_not_crumpled(void **state)
     for (int step = 1; step <= STEPS; ++step) {
         tip =
             drag_one(&s, &with, tip, vec3_add(from, (vec3){-0.1 * step, 0.1 * step, -0.3 * step}));
-        face_surface now = face_judge(s.face);
+        face_surface now = face_measure_surface(s.face);
         assert_int_equal(now.skin.bent_count + now.skin.inside_out_count, 0);
         way = fmax(way, vec3_length(vec3_sub(scene_shown(&s, scene_at(3, 6)), from)));
     }
     print_message("the skin went %.1f mm, %.1f mm held back\n", way,
-                  face_judge(s.face).held_back_mm);
-    assert_true(way > 5.0 && face_judge(s.face).held_back_mm > 5.0);
+                  face_measure_surface(s.face).held_back_mm);
+    assert_true(way > 5.0 && face_measure_surface(s.face).held_back_mm > 5.0);
     face_destroy(s.face);
 }
 

@@ -277,7 +277,7 @@ static void no_pull_bends_what_bones_have_bent(void **state)
         memcpy(end[BROW], (const double[3]){0.0, 6.0, 0.0}, sizeof end[BROW]);
         face_ride(a.face, end[0], rides, dof);
         must(face_pull(a.face, end[0], dof, &err), &err);
-        face_surface now = face_judge(a.face);
+        face_surface now = face_measure_surface(a.face);
         assert_true(now.min_determinant > 0.0);
         assert_int_equal(now.skin.bent_count, 0);
         held += now.held_back_mm > 1.0;
@@ -321,8 +321,8 @@ static void bones_that_tilt_skin_make_no_pull_jump(void **state)
         if (i > 0)
             worst = fmax(worst, difference(&before, face_shown(a.face)));
         points_copy(&before, face_shown(a.face));
-        held = fmax(held, face_judge(a.face).held_back_mm);
-        assert_true(face_judge(a.face).min_determinant > 0.0);
+        held = fmax(held, face_measure_surface(a.face).held_back_mm);
+        assert_true(face_measure_surface(a.face).min_determinant > 0.0);
     }
     print_message("at most %.3f mm a step, %.1f mm held back\n", worst, held);
     assert_true(worst > 0.05 && worst < 0.4);

@@ -283,7 +283,7 @@ static void ask_for(const shaped *s, const char *name, float weight)
     for (uint32_t i = 0; i < face_shape_count(s->scene.face); ++i)
         if (strcmp(face_shape_name(s->scene.face, i), name) == 0)
             asked[i] = weight;
-    face_ask_shapes(s->scene.face, asked);
+    face_set_least_weights(s->scene.face, asked);
 }
 
 /* With no hand there, and as it was made. */
@@ -297,7 +297,7 @@ static void a_shape_that_is_asked_for_is_that_shape(void **state)
     must(face_pull(s.scene.face, NULL, NULL, &err), &err);
     assert_true(fabs(weight_of(&s, "smile") - 0.6) < 1e-6);
     assert_true(greatest_off(&s, SMILE, 0.6) < 1e-3);
-    face_ask_shapes(s.scene.face, NULL);
+    face_set_least_weights(s.scene.face, NULL);
     must(face_pull(s.scene.face, NULL, NULL, &err), &err);
     assert_true(greatest_off(&s, SMILE, 0.0) < 1e-6);
     face_destroy(s.scene.face);
@@ -334,7 +334,7 @@ static void words_of_the_file_are_sums_of_its_shapes(void **state)
     assert_true(face_shape_parts(f, "happy", part));
     for (uint32_t i = 0; i < face_shape_count(f); ++i)
         part[i] *= 0.6f;
-    face_ask_shapes(f, part);
+    face_set_least_weights(f, part);
     must(face_pull(f, NULL, NULL, &err), &err);
     points_to_rows(shown[0], face_shown(f), face_order(f));
     const face_channels *channels = face_weights_solve(weights, shown[0], face_metered(f)->dof);
@@ -378,7 +378,7 @@ static void pulls_add_to_what_is_asked_for(void **state)
     must(scene_hold(&s.scene, &settings, end, &err), &err);
     face_show(s.scene.face);
     assert_true(fabs(greatest_off(&s, SMILE, 0.9) - before) < 1e-3);
-    face_ask_shapes(s.scene.face, NULL);
+    face_set_least_weights(s.scene.face, NULL);
     memset(end, 0, sizeof end);
     face_ride(s.scene.face, end[0], rides, NULL);
     must(face_pull(s.scene.face, end[0], NULL, &err), &err);
@@ -509,7 +509,7 @@ static void at_nought_the_face_is_one_without_shapes(void **state)
         must(face_pull(s.scene.face, end[0], NULL, &err), &err);
         assert_true(scene_same_bits(face_shown(plain.face), face_shown(s.scene.face)));
     }
-    assert_true(face_judge(plain.face).held_back_mm > 1.0);
+    assert_true(face_measure_surface(plain.face).held_back_mm > 1.0);
     face_destroy(plain.face);
     face_destroy(s.scene.face);
 }

@@ -126,7 +126,7 @@ static int64_t tree_due_ns(void *data)
     const tree *t = data;
     int64_t due_ns = INT64_MAX;
     for (int i = 0; i < t->talker_count; ++i)
-        due_ns = device_sooner_ns(due_ns, talker_due_ns(&t->talker[i]));
+        due_ns = device_earlier_ns(due_ns, talker_due_ns(&t->talker[i]));
     return due_ns;
 }
 
@@ -252,7 +252,7 @@ static void advice_names_the_group_or_the_command(void **state)
 
 /* ---- opening ---- */
 
-static mrt_result open_any(tree *t, glove_why *why)
+static mrt_result open_any(tree *t, glove_error *why)
 {
     return glove_drive_open(&t->drive, "", t->root, &t->memory, why);
 }
@@ -260,7 +260,7 @@ static mrt_result open_any(tree *t, glove_why *why)
 static void nothing_plugged_in_is_said(void **state)
 {
     tree *t = *state;
-    glove_why why;
+    glove_error why;
     assert_int_equal(open_any(t, &why), MRT_ERR_IO);
     assert_non_null(strstr(why.text, "no USB serial port"));
 }
@@ -270,7 +270,7 @@ static void nothing_plugged_in_is_said(void **state)
 static void a_port_that_is_held_is_not_asked(void **state)
 {
     tree *t = *state;
-    glove_why why;
+    glove_error why;
     plug_in(t, "1-1", 0, talk(t, (talker){.sensors = 22}));
     assert_int_equal(open_any(t, &why), MRT_ERR_IO);
     assert_non_null(strstr(why.text, "in use by marotte itself"));
@@ -285,7 +285,7 @@ static void let_go(talker *self)
 static void the_first_port_with_a_glove_is_found(void **state)
 {
     tree *t = *state;
-    glove_why why = {""};
+    glove_error why = {""};
     plug_in(t, "1-1", 0, talk(t, (talker){.habit = TALKER_OTHER_DEVICE}));
     plug_in(t, "1-2", 1, talk(t, (talker){.sensors = 18, .is_left = true}));
     let_go(&t->talker[0]);
@@ -299,7 +299,7 @@ static void the_first_port_with_a_glove_is_found(void **state)
 static void the_hand_that_is_wished_decides(void **state)
 {
     tree *t = *state;
-    glove_why why = {""};
+    glove_error why = {""};
     plug_in(t, "1-1", 0, talk(t, (talker){.sensors = 22}));
     plug_in(t, "1-2", 1, talk(t, (talker){.sensors = 22, .is_left = true}));
     let_go(&t->talker[0]);
@@ -313,7 +313,7 @@ static void the_hand_that_is_wished_decides(void **state)
 static void a_glove_is_found_again_where_it_is_plugged_in(void **state)
 {
     tree *t = *state;
-    glove_why why = {""};
+    glove_error why = {""};
     plug_in(t, "1-2", 0, talk(t, (talker){.sensors = 18}));
     let_go(&t->talker[0]);
     assert_int_equal(open_any(t, &why), MRT_OK);
@@ -332,7 +332,7 @@ static void a_glove_is_found_again_where_it_is_plugged_in(void **state)
 static void a_named_port_that_comes_back_under_another_name_is_found(void **state)
 {
     tree *t = *state;
-    glove_why why = {""};
+    glove_error why = {""};
     char address[PATH_LENGTH];
     plug_in(t, "1-2", 0, talk(t, (talker){.sensors = 18}));
     let_go(&t->talker[0]);
@@ -349,7 +349,7 @@ static void a_named_port_that_comes_back_under_another_name_is_found(void **stat
 static void a_place_is_an_address(void **state)
 {
     tree *t = *state;
-    glove_why why = {""};
+    glove_error why = {""};
     plug_in(t, "1-2", 0, talk(t, (talker){.sensors = 22}));
     assert_int_equal(glove_drive_open(&t->drive, "usb:1-3:1.0/0", t->root, &t->memory, &why),
                      MRT_ERR_IO);

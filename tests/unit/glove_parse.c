@@ -30,7 +30,7 @@ static bool parse_one(const glove_layout *layout, const unsigned char *bytes, si
 {
     glove_parse parse;
     glove_parse_init(&parse, layout);
-    glove_parse_put(&parse, bytes, size);
+    glove_parse_append(&parse, bytes, size);
     return glove_parse_next(&parse, out);
 }
 
@@ -76,7 +76,7 @@ static void flags_of_zero_are_read_where_all_else_fits(void **state)
     glove_record record;
     glove_parse_init(&parse, &stamped);
     for (size_t i = 0; i < sizeof bytes; ++i) {
-        glove_parse_put(&parse, bytes + i, 1);
+        glove_parse_append(&parse, bytes + i, 1);
         assert_int_equal(glove_parse_next(&parse, &record), i == 29 || i == 59);
     }
     assert_int_equal(record.ticks, 0x01020304);
@@ -93,7 +93,7 @@ static void flags_of_zero_are_damage_in_a_glove_that_marks_them(void **state)
     glove_parse parse;
     glove_record record;
     glove_parse_init(&parse, &stamped);
-    glove_parse_put(&parse, bytes, sizeof bytes);
+    glove_parse_append(&parse, bytes, sizeof bytes);
     assert_true(glove_parse_next(&parse, &record));
     assert_true(glove_parse_next(&parse, &record));
     assert_int_equal(record.lost, 1);
@@ -203,7 +203,7 @@ static void assert_only_these_are_lost(const glove_layout *layout, const stream 
         size_t part = 1 + next_random(&seed) % 70;
         part = part < s->size - at ? part : s->size - at;
         assert_true(part <= glove_parse_room(&parse));
-        glove_parse_put(&parse, s->bytes + at, part);
+        glove_parse_append(&parse, s->bytes + at, part);
         at += part;
         while (glove_parse_next(&parse, &record)) {
             uint32_t skipped = 0;
@@ -309,7 +309,7 @@ static void a_start_in_the_middle_of_a_record_is_no_loss(void **state)
     glove_parse parse;
     glove_record record;
     glove_parse_init(&parse, &plain);
-    glove_parse_put(&parse, s.bytes + 9, s.size - 9);
+    glove_parse_append(&parse, s.bytes + 9, s.size - 9);
     assert_true(glove_parse_next(&parse, &record));
     assert_int_equal(number_of(&record), 1);
     assert_int_equal(record.lost, 0);
@@ -328,12 +328,12 @@ static void noise_without_end_is_dropped_and_the_record_after_it_found(void **st
     for (int i = 0; i < 1000; ++i) {
         size_t room = glove_parse_room(&parse);
         assert_true(room > 0);
-        glove_parse_put(&parse, noise, room < sizeof noise ? room : sizeof noise);
+        glove_parse_append(&parse, noise, room < sizeof noise ? room : sizeof noise);
         assert_false(glove_parse_next(&parse, &record));
     }
-    glove_parse_put(&parse, (const unsigned char *)"\0", 1);
+    glove_parse_append(&parse, (const unsigned char *)"\0", 1);
     (void)glove_parse_next(&parse, &record); /* 22 times 'S' may well be a hand */
-    glove_parse_put(&parse, golden_plain, sizeof golden_plain);
+    glove_parse_append(&parse, golden_plain, sizeof golden_plain);
     assert_true(glove_parse_next(&parse, &record));
     assert_int_equal(record.sensor[21], 22);
 }
@@ -385,7 +385,7 @@ static void a_prefix_before_the_time_is_no_damage(void **state)
     glove_parse parse;
     glove_record record;
     glove_parse_init(&parse, &words);
-    glove_parse_put(&parse, bytes, size);
+    glove_parse_append(&parse, bytes, size);
     assert_true(glove_parse_next(&parse, &record));
     assert_true(glove_parse_next(&parse, &record));
     assert_int_equal(record.sensor[0], 200);
@@ -404,7 +404,7 @@ static void damaged_words_are_lost_alone(void **state)
         glove_parse parse;
         glove_record record;
         glove_parse_init(&parse, &words);
-        glove_parse_put(&parse, bytes, sizeof bytes);
+        glove_parse_append(&parse, bytes, sizeof bytes);
         assert_true(glove_parse_next(&parse, &record));
         assert_true(glove_parse_next(&parse, &record));
         assert_int_equal(record.sensor[0], is_low ? 1000 : 1500);

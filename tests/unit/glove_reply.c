@@ -63,7 +63,7 @@ static void an_order_is_answered_by_its_letter(void **state)
 
 /* ---- sensors ---- */
 
-static glove_sensors sensors_of(glove_census census)
+static glove_sensors sensors_of(glove_reported census)
 {
     glove_sensors out = {0};
     assert_true(glove_sensors_find(&census, &out));
@@ -73,11 +73,11 @@ static glove_sensors sensors_of(glove_census census)
 static void masks_name_the_sensors(void **state)
 {
     (void)state;
-    glove_sensors all = sensors_of((glove_census){22, GLOVE_MASK_22, GLOVE_MASK_22, 22});
+    glove_sensors all = sensors_of((glove_reported){22, GLOVE_MASK_22, GLOVE_MASK_22, 22});
     assert_int_equal(all.count, 22);
     for (uint32_t i = 0; i < 22; ++i)
         assert_int_equal(all.semantic[i], MRT_CH_ANGLE + i);
-    glove_sensors fewer = sensors_of((glove_census){18, GLOVE_MASK_18, 0, 0});
+    glove_sensors fewer = sensors_of((glove_reported){18, GLOVE_MASK_18, 0, 0});
     assert_int_equal(fewer.count, 18);
     assert_int_equal(fewer.semantic[6], MRT_CH_ANGLE + 7);
     assert_int_equal(fewer.semantic[14], MRT_CH_ANGLE + 18);
@@ -87,9 +87,9 @@ static void masks_name_the_sensors(void **state)
 static void the_software_mask_and_the_number_sent_leave_sensors_out(void **state)
 {
     (void)state;
-    glove_sensors thumb = sensors_of((glove_census){22, GLOVE_MASK_22, 0x00000f, 22});
+    glove_sensors thumb = sensors_of((glove_reported){22, GLOVE_MASK_22, 0x00000f, 22});
     assert_int_equal(thumb.count, 4);
-    glove_sensors ten = sensors_of((glove_census){22, GLOVE_MASK_22, GLOVE_MASK_22, 10});
+    glove_sensors ten = sensors_of((glove_reported){22, GLOVE_MASK_22, GLOVE_MASK_22, 10});
     assert_int_equal(ten.count, 10);
     assert_int_equal(ten.semantic[9], MRT_CH_ANGLE + 9);
 }
@@ -97,7 +97,7 @@ static void the_software_mask_and_the_number_sent_leave_sensors_out(void **state
 static void a_mask_in_the_other_byte_order_is_recognised(void **state)
 {
     (void)state;
-    glove_sensors s = sensors_of((glove_census){18, 0x3FBB7B, 0x3FBB7B, 0});
+    glove_sensors s = sensors_of((glove_reported){18, 0x3FBB7B, 0x3FBB7B, 0});
     assert_int_equal(s.count, 18);
     assert_int_equal(s.semantic[6], MRT_CH_ANGLE + 7);
 }
@@ -105,10 +105,10 @@ static void a_mask_in_the_other_byte_order_is_recognised(void **state)
 static void without_masks_the_number_tells(void **state)
 {
     (void)state;
-    assert_int_equal(sensors_of((glove_census){18, 0, 0, 0}).count, 18);
-    assert_int_equal(sensors_of((glove_census){22, 0x000fff, 0, 0}).count, 22);
+    assert_int_equal(sensors_of((glove_reported){18, 0, 0, 0}).count, 18);
+    assert_int_equal(sensors_of((glove_reported){22, 0x000fff, 0, 0}).count, 22);
     glove_sensors out;
-    const glove_census unknown = {7, 0, 0, 0}, nothing = {0, 0, 0, 0};
+    const glove_reported unknown = {7, 0, 0, 0}, nothing = {0, 0, 0, 0};
     assert_false(glove_sensors_find(&unknown, &out));
     assert_false(glove_sensors_find(&nothing, &out));
 }
@@ -116,7 +116,7 @@ static void without_masks_the_number_tells(void **state)
 static void unknown_sensors_have_no_meaning(void **state)
 {
     (void)state;
-    glove_sensors s = sensors_of((glove_census){24, 0xFFFFFF, 0, 0});
+    glove_sensors s = sensors_of((glove_reported){24, 0xFFFFFF, 0, 0});
     assert_int_equal(s.count, 24);
     assert_int_equal(s.semantic[7], MRT_CH_OTHER);
     assert_int_equal(s.semantic[23], MRT_CH_OTHER);

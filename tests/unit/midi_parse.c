@@ -23,7 +23,7 @@ typedef struct heard {
 static void hear(heard *self, const uint8_t *bytes, size_t size)
 {
     for (size_t i = 0; i < size; ++i)
-        if (midi_take(&self->parser, bytes[i], &self->event[self->count]))
+        if (midi_parser_add_byte(&self->parser, bytes[i], &self->event[self->count]))
             assert_true(++self->count < EVENTS_MAX);
 }
 
@@ -187,7 +187,8 @@ static void noise_stays_within_its_ranges(void **state)
     for (int i = 0; i < 1000000; ++i) {
         midi_event event;
         seed = seed * 1664525 + 1013904223;
-        if (!midi_take(&parser, (uint8_t)(seed >> 24), &event) || event.kind == MIDI_RELEASE)
+        if (!midi_parser_add_byte(&parser, (uint8_t)(seed >> 24), &event) ||
+            event.kind == MIDI_RELEASE)
             continue;
         count += 1;
         float high =
@@ -253,9 +254,9 @@ static void what_was_heard_comes_before_the_usual(void **state)
     assert_true(table.channel[40].min == -1);
     uint32_t heard_count = 0;
     for (uint16_t i = 40; i < 128; ++i)
-        heard_count += midi_table_hear(&table, control(MIDI_NOTE, 0, i));
+        heard_count += midi_table_add(&table, control(MIDI_NOTE, 0, i));
     assert_int_equal(heard_count, MRT_MAX_CHANNELS);
-    assert_false(midi_table_hear(&table, control(MIDI_NOTE, 0, 40)));
+    assert_false(midi_table_add(&table, control(MIDI_NOTE, 0, 40)));
     midi_table_build(&table, false);
     assert_int_equal(table.count, MRT_MAX_CHANNELS);
     assert_string_equal(table.channel[0].name, "note.40");

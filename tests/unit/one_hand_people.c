@@ -157,7 +157,7 @@ static seen perform(const recording *of)
             out.rest_step_mm = fmax(out.rest_step_mm, step_mm);
         out.turn_deg = fmax(out.turn_deg, turn_deg);
         out.moved_mm = fmax(out.moved_mm, apart(now, rest, count));
-        out.determinant = fmin(out.determinant, face_judge(f).min_determinant);
+        out.determinant = fmin(out.determinant, face_measure_surface(f).min_determinant);
         double *spare = last;
         last = now;
         now = spare;

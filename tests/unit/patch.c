@@ -146,7 +146,7 @@ static void channels_are_found_by_input_and_name(void **state)
         double raw = 0.0;
         (void)snprintf(c.input, sizeof c.input, "%s", cases[i].input);
         (void)snprintf(c.channel, sizeof c.channel, "%s", cases[i].channel);
-        bool is_there = patch_listen(&c, &frame, &channel, &raw);
+        bool is_there = patch_read_channel(&c, &frame, &channel, &raw);
         assert_int_equal(is_there, !isnan(cases[i].raw));
         if (is_there)
             assert_float_equal(raw, cases[i].raw, 1e-6);

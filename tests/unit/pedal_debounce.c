@@ -14,7 +14,7 @@ static const int64_t WINDOW = 8 * 1000000;
 static bool take(debounce *d, float first, int64_t time_ms)
 {
     const float value[DEBOUNCE_SWITCHES] = {first};
-    return debounce_take(d, value, 0, time_ms * MS, WINDOW);
+    return debounce_update(d, value, 0, time_ms * MS, WINDOW);
 }
 
 static void the_first_edge_passes_at_once(void **state)
@@ -74,8 +74,8 @@ static void switches_do_not_wait_for_each_other(void **state)
     debounce d;
     debounce_reset(&d);
     const float first[] = {1, 0, 0, 0}, both[] = {0, 1, 0, 0};
-    assert_true(debounce_take(&d, first, 0, 0, WINDOW));
-    assert_true(debounce_take(&d, both, 0, 3 * MS, WINDOW));
+    assert_true(debounce_update(&d, first, 0, 0, WINDOW));
+    assert_true(debounce_update(&d, both, 0, 3 * MS, WINDOW));
     assert_float_equal(d.shown[0], 1, 0);
     assert_float_equal(d.shown[1], 1, 0);
     assert_true(debounce_due_ns(&d) == 8 * MS);
@@ -88,7 +88,7 @@ static void analogue_pedals_are_not_held_back(void **state)
     debounce_reset(&d);
     for (int i = 1; i <= 10; ++i) {
         const float value[] = {0, (float)i / 10, 0, 0};
-        assert_true(debounce_take(&d, value, 2, i * MS, WINDOW));
+        assert_true(debounce_update(&d, value, 2, i * MS, WINDOW));
         assert_float_equal(d.shown[1], value[1], 0);
         assert_true(debounce_due_ns(&d) == INT64_MAX);
     }

@@ -51,7 +51,7 @@ static void weights_are_one_at_a_demonstration(void **state)
     show_joints(&shown, 5);
     space_find(&fit, &shown, 0.001, 0.4);
     for (unsigned pose = 0; pose < 5; ++pose) {
-        space_weigh(&fit, shown.angle[pose][0], weight);
+        space_weights(&fit, shown.angle[pose][0], weight);
         for (unsigned k = 0; k < SPACE_POSES; ++k)
             assert_true(fabs(weight[k] - (k == pose ? 1.0 : 0.0)) < 0.01);
     }
@@ -72,7 +72,7 @@ static void weights_are_never_negative_and_never_more_than_one_together(void **s
             random = random * 1664525u + 1013904223u;
             angle[k] = 4.0f * ((float)(random >> 8) / 16777216.0f - 0.5f);
         }
-        space_weigh(&fit, angle, weight);
+        space_weights(&fit, angle, weight);
         for (int k = 0; k < SPACE_POSES; ++k) {
             assert_true(weight[k] >= 0.0);
             sum += weight[k];
@@ -89,7 +89,7 @@ static void ridge_believes_single_demonstrations_less(void **state)
     double weight[SPACE_POSES];
     show_joints(&shown, 5);
     space_find(&fit, &shown, 1.0, 0.4);
-    space_weigh(&fit, shown.angle[2][0], weight);
+    space_weights(&fit, shown.angle[2][0], weight);
     assert_true(weight[2] > 0.3 && weight[2] < 0.7);
 }
 

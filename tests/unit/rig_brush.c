@@ -294,22 +294,22 @@ static void undo_gives_the_same_file(void **state)
     rig first = copy_of(puppet.rig);
     rig_history *history;
     must(rig_history_create(&history, &first, &err), &err);
-    char *before = text_of(rig_history_now(history));
+    char *before = text_of(rig_history_current(history));
     static const char *const at[] = {"cheek.l", "chin", "lip.lower.mid"};
     for (int i = 0; i < 3; ++i) {
-        rig next = painted(rig_history_now(history), &wide, rides_on(i == 1 ? "skull" : "jaw"),
+        rig next = painted(rig_history_current(history), &wide, rides_on(i == 1 ? "skull" : "jaw"),
                            contact(at[i]));
         rig_history_push(history, &next);
     }
-    char *after = text_of(rig_history_now(history));
+    char *after = text_of(rig_history_current(history));
     assert_true(strcmp(before, after) != 0);
-    assert_true(rig_history_go(history, 0));
-    char *undone = text_of(rig_history_now(history));
+    assert_true(rig_history_restore(history, 0));
+    char *undone = text_of(rig_history_current(history));
     assert_string_equal(before, undone);
-    assert_true(rig_history_go(history, 3));
-    char *redone = text_of(rig_history_now(history));
+    assert_true(rig_history_restore(history, 3));
+    char *redone = text_of(rig_history_current(history));
     assert_string_equal(after, redone);
-    assert_false(rig_history_go(history, 4));
+    assert_false(rig_history_restore(history, 4));
     free(before);
     free(after);
     free(undone);
@@ -328,7 +328,7 @@ static rig with_thirty_regions(void)
     for (uint32_t i = r.region_count; i < 30; ++i) {
         char name[32];
         uint32_t index;
-        rig_edit_says says = {rig_find_bone(&r, "jaw"), false, 1.0, (double)NAN};
+        rig_edit_region_values says = {rig_find_bone(&r, "jaw"), false, 1.0, (double)NAN};
         (void)snprintf(name, sizeof name, "painted %u", i);
         must(rig_edit_add_region(&r, name, &says, &index, &err), &err);
         for (uint32_t v = 0; v < puppet.mesh.vertex_count; ++v)

@@ -208,7 +208,7 @@ static void two_paints_never_share_a_name(void **state)
     put("a.rig.json", head);
     rig r = read_rig("a.rig.json");
     uint32_t index;
-    rig_edit_says says = {1, false, 0.5, (double)NAN};
+    rig_edit_region_values says = {1, false, 0.5, (double)NAN};
     must(rig_edit_add_region(&r, "low", &says, &index, &err), &err);
     must(rig_edit_paint(&r, index, value, SHEET_VERTICES, &err), &err);
     must(rig_edit_name_region(&r, 0, "spare", &err), &err);
@@ -419,13 +419,13 @@ static void regions_say_only_what_a_file_may_say(void **state)
     put("a.rig.json", head);
     rig r = read_rig("a.rig.json");
     const double none = (double)NAN;
-    const rig_edit_says wrong[] = {{RIG_NONE, false, 1.0, none}, {0, true, 1.0, none},
-                                   {0, false, none, none},       {0, false, 1.5, none},
-                                   {9, false, 1.0, none},        {0, false, none, -0.1}};
+    const rig_edit_region_values wrong[] = {{RIG_NONE, false, 1.0, none}, {0, true, 1.0, none},
+                                            {0, false, none, none},       {0, false, 1.5, none},
+                                            {9, false, 1.0, none},        {0, false, none, -0.1}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i)
         assert_true(rig_edit_set_region(&r, 0, &wrong[i], &err) < 0);
-    assert_true(
-        rig_edit_add_region(&r, "chin", &(rig_edit_says){0, true, none, none}, &index, &err) < 0);
+    assert_true(rig_edit_add_region(&r, "chin", &(rig_edit_region_values){0, true, none, none},
+                                    &index, &err) < 0);
     assert_int_equal(r.region_count, 2);
     assert_true(rig_edit_remove_region(&r, 2, &err) < 0);
     rig_destroy(&r);

@@ -237,14 +237,14 @@ static void a_bone_rides_on_another_that_is_before_it(void **state)
     uint32_t bone = RIG_NONE;
     make(&r);
     must(rig_edit_add_bone(&r, "hat", BONE_FIXED, (vec3){0, 0, 0}, 1.0, &bone, &err), &err);
-    must(rig_edit_ride_bone(&r, bone, 1, &err), &err);
+    must(rig_edit_set_parent(&r, bone, 1, &err), &err);
     again(&r);
     assert_int_equal(r.bone[bone].parent, 1);
-    must(rig_edit_ride_bone(&r, bone, RIG_NONE, &err), &err);
+    must(rig_edit_set_parent(&r, bone, RIG_NONE, &err), &err);
     again(&r);
     assert_int_equal(r.bone[bone].parent, RIG_NONE);
-    refused(rig_edit_ride_bone(&r, bone, bone, &err), &err, "before it");
-    refused(rig_edit_ride_bone(&r, 0, RIG_NONE, &err), &err, "cannot be removed");
+    refused(rig_edit_set_parent(&r, bone, bone, &err), &err, "before it");
+    refused(rig_edit_set_parent(&r, 0, RIG_NONE, &err), &err, "cannot be removed");
     rig_destroy(&r);
 }
 

@@ -386,7 +386,7 @@ static vec3 carried_pull(const known *k, const mesh *to, const char *pose, const
     for (uint32_t i = 0; i < r.pose_count; ++i)
         rig_pose_finish(&r.pose[i]);
     r.pose_count = 0;
-    must(rig_poses_carry(&r, to, k->file.rig, &k->file.mesh, &err), &err);
+    must(rig_poses_transfer(&r, to, k->file.rig, &k->file.mesh, &err), &err);
     const rig_pose *found = &r.pose[pose_named(&r, pose)];
     for (uint32_t i = 0; i < found->pull_count; ++i)
         if (found->pull_contact[i] == rig_find_contact(&r, contact))

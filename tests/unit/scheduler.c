@@ -75,7 +75,7 @@ static mrt_result go_on(scheduler *self, int64_t now_ns, sample_step *out, int64
     error err = {""};
     mrt_result result = scheduler_next(self, now_ns, out, out_until_ns, &err);
     if (result == MRT_OK)
-        scheduler_take(self, out);
+        scheduler_consume(self, out);
     return result;
 }
 

@@ -49,7 +49,7 @@ static void staying_contact_stays_until_it_is_let_go(void **state)
     assert_true(fabs(fixture_moved_mm(&d, left) - vec3_length(way)) < 0.05);
     assert_true(fabs(fixture_moved_mm(&d, right) - vec3_length(way)) < 0.05);
     const vec3 nowhere = {0, 0, 0};
-    fixture_point(&d, POINTER_LETS_GO, nowhere, nowhere, false);
+    fixture_point(&d, POINTER_RELEASE_ALL, nowhere, nowhere, false);
     assert_true(fixture_until(&d, fixture_is_at_rest, NULL));
     fixture_finish(&d);
 }

@@ -222,7 +222,7 @@ static void a_double_click_on_a_contact_lets_go_of_all(void **state)
     stand_button(&s, 0, true);
     stand_button(&s, 0, false);
     stand_button(&s, 0, true);
-    assert_int_equal(last_told()->grip, POINTER_LETS_GO);
+    assert_int_equal(last_told()->grip, POINTER_RELEASE_ALL);
     uint32_t told = s.told_count;
     stand_move(&s, x + 30, y);
     stand_button(&s, 0, false);

@@ -697,7 +697,7 @@ static void report_devices(const performance *self, facts *told)
     if (report->went_count == 0)
         return;
     facts_warning(told, "went_away", "went away", report->went_count, 0, "times");
-    facts_number(told, "came_back", "came back", report->came_count, 0, "times");
+    facts_number(told, "came_back", "came back", report->returned_count, 0, "times");
     facts_number(told, "away_s", "away", report->away_s, 2, "s, of those that came back");
     for (uint32_t i = 0; i < self->inputs.count; ++i)
         if (input_state_of(self->inputs.input[i]) == INPUT_LOST)
@@ -1189,7 +1189,7 @@ static mrt_result perform_rows(curve_performance *self, error *err)
         progress_show_time(&self->progress, row / self->fps, self->table.row_count / self->fps);
     }
     progress_end(&self->progress);
-    const composer_counts *counts = composer_counted(self->composer);
+    const composer_counts *counts = composer_get_counts(self->composer);
     if (result >= 0 && counts->held_pulls > 0)
         result = error_set(err, MRT_ERR_FORMAT, "%s: %s", self->options->curves,
                            counts->first_problem.text);

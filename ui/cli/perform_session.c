@@ -368,7 +368,7 @@ void perform_mapping_report(const perform_mapping *self, facts *told)
         facts_warning(told, "mapping_late", "mapping late", counts.late, 0,
                       "samples in which the face was held");
     if (self->reload) {
-        reload_counts reloads = reload_counted(self->reload);
+        reload_counts reloads = reload_get_counts(self->reload);
         facts_number(told, "reloads", "reloads", reloads.taken, 0, "");
         facts_number(told, "reloads_refused", "  refused", reloads.refused, 0, "");
     }

@@ -421,10 +421,10 @@ static void write_vec3(double *out, vec3 at)
 static mrt_result add_named(recording *self, composer *from, const face_columns *now, error *err)
 {
     const face *f = composer_face(from);
-    composer_asked asked[MRT_MAX_VECTORS];
+    composer_target asked[MRT_MAX_VECTORS];
     double free_point[MRT_MAX_VECTORS * 6], pulled[MRT_MAX_VECTORS * 3] = {0};
     double *value = self->value;
-    uint32_t asked_count = composer_asks(from, asked), dof_count = face_bones(f)->dof_count;
+    uint32_t asked_count = composer_targets(from, asked), dof_count = face_bones(f)->dof_count;
     uint32_t count = clip_curve_count(self->clip), free_count = 0;
     for (uint32_t i = 0; i < count; ++i)
         value[i] = i < dof_count ? (double)face_metered(f)->dof[i] : (double)NAN;
@@ -514,7 +514,7 @@ static void meter_folds(recording *self, const face *f)
 /* Measures the shown mesh, whatever moved it. */
 static void meter_surface(recording *self, const face *f)
 {
-    face_surface now = face_judge(f);
+    face_surface now = face_measure_surface(f);
     surface_state *worst = &self->worst;
     worst->stretch = fmax(worst->stretch, now.skin.stretch);
     worst->bend_deg = fmax(worst->bend_deg, now.skin.bend_deg);
@@ -622,7 +622,7 @@ mrt_result recording_add_face(recording *self, composer *from, int64_t work_ns, 
         return result;
     measure_motion(self, f);
     meter_surface(self, f);
-    meter_steps(self, composer_counted(from));
+    meter_steps(self, composer_get_counts(from));
     face_columns now = face_columns_now(f);
     if (is_anchored)
         meter_folds(self, f);

@@ -39,7 +39,7 @@ void face_pose_columns(face *f)
     bool is_pose_alone = column == f->shape_column_count,
          is_noted = is_pose_alone && f->is_pose_noted;
     if (!is_noted)
-        face_forget_columns(f);
+        face_discard_columns(f);
     for (uint32_t b = 0; b < f->bone_count; ++b) {
         face_field *field = &f->field[b];
         if (!f->bones.moves[b])
@@ -148,13 +148,13 @@ void face_bake(face *f, points *out)
         if (posed)
             unpose_block(f, sum, block);
         columns_add(out, f->origin, sum, block);
-        face_touch(f, block, out);
+        face_mark_stale(f, block, out);
     }
 }
 
 /* ---- frames ---- */
 
-void face_take_pose(face *f, const float *dof, const rigid *pose)
+void face_set_pose(face *f, const float *dof, const rigid *pose)
 {
     memcpy(f->dof, dof, sizeof f->dof);
     memcpy(f->pose, pose, sizeof f->pose);
@@ -186,11 +186,11 @@ void face_reset(face *f)
     rigid pose[RIG_BONES_MAX];
     for (uint32_t b = 0; b < RIG_BONES_MAX; ++b)
         pose[b] = rigid_identity();
-    face_take_pose(f, still, pose);
-    face_ask_shapes(f, NULL);
+    face_set_pose(f, still, pose);
+    face_set_least_weights(f, NULL);
     points_copy(&f->base, &f->rest);
     f->origin = &f->base;
-    face_touch_all(f);
+    face_mark_all_stale(f);
     release_controls(f);
     face_show_rest(f);
 }

@@ -298,12 +298,12 @@ mrt_result face_drag(face *f, const csrbf_settings *settings, const double *from
     if (result >= 0)
         limit_drag(f, settings, count, out_step);
     if (result >= 0 && out_step->substeps > 0)
-        face_touch_changed(f, &f->free, &f->before);
+        face_mark_changed_stale(f, &f->free, &f->before);
     if (result < 0) {
         show_free(f);
         return result;
     }
-    face_take_pose(f, resolved, pose);
+    face_set_pose(f, resolved, pose);
     face_shapes_settle(f, resolved);
     show_free(f);
     for (uint32_t k = 0; out_reached && k < count; ++k) {
@@ -320,7 +320,7 @@ static void ease(face *f, const points *towards, double rate_per_s, double dt_s)
 {
     points_copy(&f->before, &f->free);
     shape_ease(&f->free, towards, rate_per_s, dt_s);
-    face_touch_changed(f, &f->free, &f->before);
+    face_mark_changed_stale(f, &f->free, &f->before);
 }
 
 void face_leak(face *f, double rate_per_s, double dt_s)

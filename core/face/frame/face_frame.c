@@ -183,7 +183,7 @@ mrt_result face_aim(face *f, const double *end, const float *dof, error *err)
         return result;
     face_pose_weights(f, f->next_weight, pose);
     memcpy(f->weight, f->next_weight, (size_t)3 * f->columns.count * sizeof *f->weight);
-    face_take_pose(f, resolved, pose);
+    face_set_pose(f, resolved, pose);
     f->meter.slope_bound = slope;
     return MRT_OK;
 }

@@ -691,7 +691,7 @@ void limit_pose_block(face *f, uint32_t block)
     f->limit.is_posed[block] = 1;
 }
 
-bool face_limit_knows(const face *f, uint32_t block)
+bool face_limit_has_sum(const face *f, uint32_t block)
 {
     return f->limit.is_added_given && f->limit.is_added[block];
 }
@@ -892,7 +892,7 @@ static void find_strains(strain_found *out, face *f, size_t group)
     const strain_corners added = limit_corners(f, group, l->added);
     const bool has_tilts = l->known[group] & LIMIT_TILTS;
     const float *tilts = patch->inv_tan_tilt_posed;
-    float bound[GROUP], most = l->passes_over_nothing ? INFINITY : 0.0f;
+    float bound[GROUP], most = l->measures_all_groups ? INFINITY : 0.0f;
     if (!has_tilts) {
         const float tilted = limit_tilted(f, group);
         for (size_t i = 0; i < GROUP; ++i)
@@ -974,12 +974,12 @@ static double measure_strain(face *f, limit_looks looks)
     columns_weigh(&f->columns, f->given, f->control_column_count);
     for (size_t group = 0; group < groups; ++group) {
         const limit_group *g = &l->group[group];
-        if (!l->passes_over_nothing &&
+        if (!l->measures_all_groups &&
             (!l->is_marked[group] || !may_be_strained(f, &bounds, group, looks)))
             continue;
         for (uint32_t i = g->first_block; i < g[1].first_block; ++i)
             add_block(f, l->block[i]);
-        if (!l->passes_over_nothing && (is_shaped || excess_of(&bounds, group) < excess_surely)) {
+        if (!l->measures_all_groups && (is_shaped || excess_of(&bounds, group) < excess_surely)) {
             const strain_corners added = limit_corners(f, group, l->added);
             l->pull_bound[group] = l->loops->steepest(&l->shape[group], &added);
             if (!(excess_of(&bounds, group) >= 1.0f))
@@ -1040,10 +1040,10 @@ static void find_asked(face *f)
     }
 }
 
-void limit_give(face *f)
+void limit_apply(face *f)
 {
     f->limit.is_added_given = false;
-    face_shapes_give(f);
+    face_shapes_apply(f);
     for (uint32_t b = 0; b < f->bone_count; ++b) {
         const face_field *field = &f->field[b];
         for (uint32_t i = 0; i < field->control_count; ++i) {
@@ -1057,7 +1057,7 @@ void limit_give(face *f)
     }
 }
 
-void limit_give_fields(face *f)
+void limit_solve_fields(face *f)
 {
     f->meter.slope_bound = 0.0;
     for (uint32_t b = 0; b < f->bone_count; ++b) {
@@ -1089,7 +1089,7 @@ static void give_part(face *f, double part)
         f->limit.g[i] *= part;
     for (uint32_t i = 0; i < f->shapes.count; ++i)
         f->shapes.given[i] *= part;
-    limit_give(f);
+    limit_apply(f);
 }
 
 /* Scales f->given on a head with shapes until no skin is strained too much. 1 / strain is exact for
@@ -1133,7 +1133,7 @@ static double yield_pulls(face *f, double strain)
         memcpy(l->g, l->asked, numbers * sizeof *l->g);
         csrbf_soften(l->g, &f->settings, l->centre, l->likeness, l->ridge, f->control_count,
                      l->scratch);
-        limit_give(f);
+        limit_apply(f);
         strain = measure_strain(f, AT_STRAINS);
     }
     strain = measure_strain(f, AT_TURNS);
@@ -1152,7 +1152,7 @@ static void pose_candidates(face *f, float part)
         for (int k = 0; k < 6; ++k) {
             uint32_t slot = around[k];
             const float *posed = l->posed[slot], *added = l->added[slot];
-            limit_put_vertex(&l->shown_before, slot, posed);
+            limit_set_vertex(&l->shown_before, slot, posed);
             l->shown_after.x[slot] = posed[0] + part * added[0];
             l->shown_after.y[slot] = posed[1] + part * added[1];
             l->shown_after.z[slot] = posed[2] + part * added[2];
@@ -1251,7 +1251,7 @@ static double unbend(face *f, double part)
     }
     for (int i = 0; i < BEND_YIELDS && (part = part_unbent(f)) < 1.0; ++i) {
         yield_to_bends(f, part);
-        limit_give(f);
+        limit_apply(f);
         (void)measure_strain(f, AT_TURNS);
         find_candidates(f);
     }
@@ -1263,7 +1263,7 @@ static double room_of_part(face *f, double part)
 {
     for (size_t i = 0; i < (size_t)3 * f->control_count; ++i)
         f->limit.g[i] = part * f->limit.centre[i];
-    limit_give_fields(f);
+    limit_solve_fields(f);
     return face_min_determinant(f) - determinant_least;
 }
 
@@ -1294,7 +1294,7 @@ static void unfold(face *f)
             side = 1;
         }
     }
-    limit_give(f);
+    limit_apply(f);
     f->is_held = true;
 }
 
@@ -1327,7 +1327,7 @@ static void limit_pulls(face *f)
                         (size_t)3 * f->control_count * sizeof *f->limit.g) != 0 ||
                  face_shapes_are_held(f);
     if (f->is_held)
-        limit_give_fields(f);
+        limit_solve_fields(f);
     unfold(f);
     if (f->is_held)
         limit_note_held_back(f);

@@ -44,8 +44,8 @@ static bool candidates_are_bent(face *f, const float (*row_before)[4], const flo
         if (!surface_meter_around(f->surface_meter, l->candidate[i], around))
             continue;
         for (int k = 0; k < 6; ++k) {
-            limit_put_vertex(&l->shown_before, around[k], row_before[around[k]]);
-            limit_put_vertex(&l->shown_after, around[k], row_after[around[k]]);
+            limit_set_vertex(&l->shown_before, around[k], row_before[around[k]]);
+            limit_set_vertex(&l->shown_after, around[k], row_after[around[k]]);
         }
     }
     return surface_meter_bend(f->surface_meter, &limit_bends, l->candidate, l->candidate_count,
@@ -84,7 +84,7 @@ static void give_less(face *f, double less)
         l->g[i] = l->centre[i] * (1.0 - fmax(near * l->tip_share[i / 3], all));
     for (uint32_t i = 0; i < f->shapes.count; ++i)
         f->shapes.given[i] = l->shaped[i] * (1.0 - fmax(near * l->shape_share[i], all));
-    limit_give(f);
+    limit_apply(f);
 }
 
 /* Reduces the pulls until `harms` returns false for f->given, no further than necessary. Each call
@@ -121,7 +121,7 @@ static bool yield_to(face *f, bool (*harms)(face *f))
     }
     give_less(f, high);
     (void)harms(f);
-    limit_give_fields(f);
+    limit_solve_fields(f);
     f->is_held = true;
     limit_note_held_back(f);
     return true;
@@ -182,7 +182,7 @@ static bool may_lips_harm(face *f, uint32_t i)
     float steepness =
         limit_is_shaped(f) && isfinite(g->steepness) ? limit_shaped_steepness : g->steepness;
     float most = (f->limit.pull_bound[l->group[i]] + l->steepness[i]) * steepness;
-    return !is_bounded || f->limit.passes_over_nothing || !(most < 1.0f) ||
+    return !is_bounded || f->limit.measures_all_groups || !(most < 1.0f) ||
            !(most < limit_room(f, l->group[i]));
 }
 
@@ -192,7 +192,7 @@ static bool lips_harm(face *f, double strength)
     const face_lips *l = &f->lips;
     if (l->count == 0)
         return false;
-    face_lips_meet(f, strength);
+    face_lips_solve(f, strength);
     face_lips_bound(f);
     find_sealed_lips(f);
     for (uint32_t i = 0; l->is_meeting && i < l->group_count; ++i)
@@ -254,7 +254,7 @@ void limit_lips(face *f)
 {
     face_lips *l = &f->lips;
     l->share = l->share_near = 1.0;
-    face_lips_meet(f, 1.0);
+    face_lips_solve(f, 1.0);
     if (!l->is_meeting)
         return;
     limit_begin_pose(f);

@@ -389,7 +389,7 @@ static double keep_apart(face *f, vec3 across, vec3 up)
     return most;
 }
 
-void face_lips_meet(face *f, double strength)
+void face_lips_solve(face *f, double strength)
 {
     face_lips *l = &f->lips;
     const bind_lips *slit = &f->binding.lips;
@@ -438,7 +438,7 @@ void face_lips_bound(face *f)
     }
 }
 
-void face_lips_part(face *f)
+void face_lips_clear(face *f)
 {
     if (f->lips.count == 0)
         return;

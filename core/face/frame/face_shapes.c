@@ -774,7 +774,7 @@ static double drive_of(const face *f, const face_shape *one, const float *dof)
 }
 
 /* Returns the weight of a shape without pulls: from the bones that it follows, or from
- * face_ask_shapes. */
+ * face_set_least_weights. */
 static double led_by(const face *f, uint32_t i, const float *dof)
 {
     const face_shapes *s = &f->shapes;
@@ -1040,7 +1040,7 @@ void face_shapes_unlead(const face *f, double *weight)
     }
 }
 
-void face_shapes_give(face *f)
+void face_shapes_apply(face *f)
 {
     const face_shapes *s = &f->shapes;
     for (uint32_t p = 0; p < s->part_count; ++p) {
@@ -1113,7 +1113,7 @@ const float *face_shape_dofs(const face *f, uint32_t index)
     return f->shapes.shape[index].dof;
 }
 
-void face_ask_shapes(face *f, const float *weight)
+void face_set_least_weights(face *f, const float *weight)
 {
     face_shapes *s = &f->shapes;
     for (uint32_t i = 0; i < s->count; ++i) {

@@ -70,23 +70,23 @@ static bool is_same_block(const points *a, const points *b, uint32_t block)
            memcmp(a->z + first, b->z + first, size) == 0;
 }
 
-void face_touch(face *f, uint32_t block, const points *origin)
+void face_mark_stale(face *f, uint32_t block, const points *origin)
 {
     f->blocks.is_stale[block] = 1;
     f->blocks.is_rest[block] = is_same_block(origin, &f->rest, block);
 }
 
-void face_touch_all(face *f)
+void face_mark_all_stale(face *f)
 {
     for (uint32_t block = 0; block < f->rest.block_count; ++block)
-        face_touch(f, block, f->origin);
+        face_mark_stale(f, block, f->origin);
 }
 
-void face_touch_changed(face *f, const points *now, const points *before)
+void face_mark_changed_stale(face *f, const points *now, const points *before)
 {
     for (uint32_t block = 0; block < now->block_count; ++block)
         if (!is_same_block(now, before, block))
-            face_touch(f, block, now);
+            face_mark_stale(f, block, now);
 }
 
 bool face_reaches(const columns *c, const uint64_t *some, uint32_t block)
@@ -98,7 +98,7 @@ bool face_reaches(const columns *c, const uint64_t *some, uint32_t block)
     return any != 0;
 }
 
-void face_forget_columns(face *f)
+void face_discard_columns(face *f)
 {
     const columns *c = &f->columns;
     face_blocks *s = &f->blocks;
@@ -184,7 +184,7 @@ static uint32_t write_run(face *f, uint32_t first)
 {
     uint32_t end = first + 1;
     while (end < f->rest.block_count && is_due(f, end) && !is_sealed(f, end) &&
-           !face_limit_knows(f, end))
+           !face_limit_has_sum(f, end))
         ++end;
     columns_move_blocks(&f->columns, &f->shown, f->origin, first, end);
     for (uint32_t block = first; block < end; ++block)
@@ -209,17 +209,17 @@ void face_write(face *f)
         for (uint32_t block = 0; block < f->rest.block_count; ++block)
             s->is_stale[block] |= f->lips.reaches[block];
     for (uint32_t block = 0; block < f->rest.block_count;)
-        block = !is_due(f, block)            ? block + 1
-                : is_sealed(f, block)        ? write_sealed(f, block)
-                : face_limit_knows(f, block) ? write_known(f, block)
-                                             : write_run(f, block);
+        block = !is_due(f, block)              ? block + 1
+                : is_sealed(f, block)          ? write_sealed(f, block)
+                : face_limit_has_sum(f, block) ? write_known(f, block)
+                                               : write_run(f, block);
 }
 
 void face_show(face *f)
 {
     face_blocks *s = &f->blocks;
     face_limit_pull(f);
-    face_tongue_hold(f);
+    face_tongue_limit(f);
     memcpy(s->pose, f->pose, sizeof s->pose);
     stamps_begin(&s->written);
     face_write(f);
@@ -235,7 +235,7 @@ void face_show_rest(face *f)
     projection_rest(&f->projection);
     memset(s->weight, 0, (size_t)3 * f->columns.capacity * sizeof *s->weight);
     memset(s->is_stale, 0, f->rest.block_count);
-    face_lips_part(f);
+    face_lips_clear(f);
     (void)face_lips_show(f);
     memcpy(s->carrier, s->bone, f->rest.block_count);
     memcpy(s->pose, f->pose, sizeof s->pose);

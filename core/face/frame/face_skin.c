@@ -166,7 +166,7 @@ double face_worst_triangle(const face *f, vec3 *out_rest)
     return determinant;
 }
 
-face_surface face_judge(const face *f)
+face_surface face_measure_surface(const face *f)
 {
     const float *const at[3] = {f->shown.x, f->shown.y, f->shown.z};
     face_surface out = {.min_determinant = face_min_determinant(f),

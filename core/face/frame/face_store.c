@@ -240,9 +240,9 @@ mrt_result face_load(face *f, const void *bytes, size_t size, error *err)
     if (in.failed)
         goto damaged;
     f->origin = is_free ? &f->free : &f->base;
-    face_touch_all(f);
+    face_mark_all_stale(f);
     bones_pose(pose, &f->bones, dof);
-    face_take_pose(f, dof, pose);
+    face_set_pose(f, dof, pose);
     if (!read_controls(&in, f) || in.at != in.end)
         goto damaged;
     face_pose_columns(f);

@@ -60,7 +60,7 @@ void face_tongue_create(face *f)
     t->height_mm = fmax(out.high_mm - out.low_mm, 1.0);
 }
 
-void face_tongue_hold(face *f)
+void face_tongue_limit(face *f)
 {
     const face_tongue *t = &f->tongue;
     if (t->bone == RIG_NONE)

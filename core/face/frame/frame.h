@@ -63,7 +63,7 @@ typedef struct face_limit {
     struct limit_patch *patch;     /* of each group */
     struct strain_shapes *shape;   /* of each group: patch.origin.shape, contiguous */
     uint8_t *known;                /* of each group: bits, see limit.h */
-    bool passes_over_nothing;      /* for a test: measures all groups, ignoring the bounds */
+    bool measures_all_groups;      /* for a test: measures all groups, ignoring the bounds */
     struct limit_carried *carried; /* of each group: see limit_group */
     uint32_t *block;               /* the same: blocks of its vertices */
     uint64_t *corners;             /* of each of those: bits of the group's vertices */
@@ -140,7 +140,7 @@ typedef struct face_shapes {
     bool derives[RIG_BONES_MAX]; /* pulls may pose this bone, since skin rides on it */
     uint32_t speaks_of, rides;   /* bits: bones that shapes move; bones that controls ride on */
     double *weight;              /* weights of the frame; the next solve starts there */
-    double *asked;    /* lower bounds from face_ask_shapes; 0 for shapes that follow bones */
+    double *asked;    /* lower bounds from face_set_least_weights; 0 for shapes that follow bones */
     double *at;       /* shapes by control_capacity by 3: offsets at the controls, mm */
     double *whole;    /* the same, including the bones that follow */
     uint32_t derived; /* bits: the bones that followed when `whole` was computed */
@@ -275,7 +275,7 @@ void face_weigh_bone(const face *f, double *weight, uint32_t bone, const rigid *
 /* Returns true if some moving bone is not at rest. */
 bool face_is_posed(const face *f);
 /* Makes the dofs and poses of a frame current. */
-void face_take_pose(face *f, const float *dof, const rigid *pose);
+void face_set_pose(face *f, const float *dof, const rigid *pose);
 
 /* ---- face_engage.c ---- */
 
@@ -311,7 +311,7 @@ vec3 face_shapes_led_slot(const face *f, uint32_t slot);
  * f->given from f->weight. */
 void face_shapes_weigh(const face *f, double *weight, const rigid *pose);
 void face_shapes_unlead(const face *f, double *weight);
-void face_shapes_give(face *f);
+void face_shapes_apply(face *f);
 bool face_shapes_weigh_something(const face *f);
 bool face_shapes_are_held(const face *f); /* true if some are reduced */
 const char *face_shapes_column_name(const face *f, uint32_t column, uint32_t *out_carrier);
@@ -323,11 +323,11 @@ void face_lips_destroy(face *f);
 /* Call when the columns have changed. */
 void face_lips_engage(face *f);
 /* Computes the corrections for f->given and the pose; strength: value of lips.seal, 0..1. */
-void face_lips_meet(face *f, double strength);
+void face_lips_solve(face *f, double strength);
 /* Updates lips.steepness to the corrections. */
 void face_lips_bound(face *f);
 /* Sets all corrections to 0. */
-void face_lips_part(face *f);
+void face_lips_clear(face *f);
 /* Adds the displacement by the seal in the block to sum. */
 void face_lips_sum(const face *f, float sum[3][POINTS_BLOCK], uint32_t block);
 /* Returns whether the corrections differ from those last shown, and stores them as shown. */
@@ -340,7 +340,7 @@ double face_lips_open_mm(face *f);
 
 void face_tongue_create(face *f);
 /* Turns the tongue back behind the lips. Call when f->given and the lips of a frame are known. */
-void face_tongue_hold(face *f);
+void face_tongue_limit(face *f);
 
 /* ---- face_limit.c ---- */
 
@@ -355,7 +355,7 @@ void face_limit_pull(face *f);
 void face_limit_slide(face *f);
 /* After face_limit_pull on a face with shapes: whether it has summed a block. face_limit_added
  * copies that sum, of all columns except those of bones, so that it is not computed twice. */
-bool face_limit_knows(const face *f, uint32_t block);
+bool face_limit_has_sum(const face *f, uint32_t block);
 void face_limit_added(const face *f, float sum[3][POINTS_BLOCK], uint32_t block);
 /* Returns the greatest length of an edge over its length at rest. */
 double face_stretch_most(const csrbf_settings *settings);
@@ -366,12 +366,12 @@ CHECKED mrt_result face_shown_create(face *f, error *err);
 /* Writes the blocks that f->given, the pose and the seal change. */
 void face_write(face *f);
 /* Call when a block of the origin, or of the next origin, has been written. */
-void face_touch(face *f, uint32_t block, const points *origin);
-void face_touch_all(face *f);
+void face_mark_stale(face *f, uint32_t block, const points *origin);
+void face_mark_all_stale(face *f);
 /* The same for all blocks in which `now` differs from `before`. */
-void face_touch_changed(face *f, const points *now, const points *before);
+void face_mark_changed_stale(face *f, const points *now, const points *before);
 /* Call before the columns change. */
-void face_forget_columns(face *f);
+void face_discard_columns(face *f);
 /* Returns true if at least one of the columns is not 0 everywhere in the block; some: as
  * columns.mark. */
 bool face_reaches(const columns *c, const uint64_t *some, uint32_t block);

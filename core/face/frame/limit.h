@@ -73,7 +73,7 @@ static inline size_t limit_group_size(const face *f, size_t group)
     return left < GROUP ? left : GROUP;
 }
 
-static inline void limit_put_vertex(points *out, uint32_t slot, const float *row)
+static inline void limit_set_vertex(points *out, uint32_t slot, const float *row)
 {
     out->x[slot] = row[0];
     out->y[slot] = row[1];
@@ -104,9 +104,9 @@ double limit_near_grip(const face *f, size_t t, uint32_t control);
 /* Adds the excess strain of the group to shapes.strain of the shapes that act there. */
 void limit_strain_shapes(face *f, size_t group, double strain);
 /* Sets f->given to the weights of the columns for limit.g and the applied shares of the shapes. */
-void limit_give(face *f);
+void limit_apply(face *f);
 /* Also solves the fields for limit.g, since their slopes must belong to the shape shown. */
-void limit_give_fields(face *f);
+void limit_solve_fields(face *f);
 /* Sets meter.held_back_mm to the difference of limit.g from limit.asked. */
 void limit_note_held_back(face *f);
 

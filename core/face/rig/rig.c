@@ -306,7 +306,7 @@ mrt_result rig_copy(rig *out, const rig *r, error *err)
     out->mesh_path = copy_text(&c, r->mesh_path);
     out->note = copy_text(&c, r->note);
     if (r->document)
-        rig_document_hold(r->document);
+        rig_document_retain(r->document);
     out->copied_bytes = c.bytes;
     if (!c.failed)
         return MRT_OK;

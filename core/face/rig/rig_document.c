@@ -471,7 +471,7 @@ mrt_result rig_document_parse(rig_document **out, const void *data, size_t size,
     return finish_reading(out, result, err);
 }
 
-void rig_document_hold(rig_document *d)
+void rig_document_retain(rig_document *d)
 {
     d->holder_count += 1;
 }

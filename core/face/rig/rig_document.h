@@ -78,7 +78,7 @@ CHECKED mrt_result rig_document_read(rig_document **out, const char *path, const
 /* Reads from bytes. Includes are refused. */
 CHECKED mrt_result rig_document_parse(rig_document **out, const void *data, size_t size,
                                       const char *path, error *err);
-void rig_document_hold(
+void rig_document_retain(
     rig_document *d); /* adds an owner that will call rig_document_destroy; [any] */
 void rig_document_destroy(rig_document *d); /* [any] */
 

@@ -145,7 +145,7 @@ static bool is_share(double value)
     return isnan(value) || (value >= 0.0 && value <= 1.0);
 }
 
-static mrt_result check_region_values(const rig *r, const rig_edit_says *says, error *err)
+static mrt_result check_region_values(const rig *r, const rig_edit_region_values *says, error *err)
 {
     bool has_weight = !isnan(says->weight), has_mobility = !isnan(says->mobility);
     if (says->bone != RIG_NONE && says->bone >= r->bone_count)
@@ -187,7 +187,7 @@ uint32_t rig_edit_find_region(const rig *r, const char *name)
     return RIG_NONE;
 }
 
-static void set_region_values(rig_region *region, const rig_edit_says *says)
+static void set_region_values(rig_region *region, const rig_edit_region_values *says)
 {
     region->bone = says->bone;
     region->is_rigid = says->is_rigid;
@@ -195,7 +195,7 @@ static void set_region_values(rig_region *region, const rig_edit_says *says)
     region->mobility = round_share(says->mobility, region->mobility);
 }
 
-mrt_result rig_edit_add_region(rig *r, const char *name, const rig_edit_says *says,
+mrt_result rig_edit_add_region(rig *r, const char *name, const rig_edit_region_values *says,
                                uint32_t *out_index, error *err)
 {
     bool has_name = name && name[0];
@@ -268,7 +268,8 @@ mrt_result rig_edit_name_region(rig *r, uint32_t index, const char *name, error 
     return MRT_OK;
 }
 
-mrt_result rig_edit_set_region(rig *r, uint32_t index, const rig_edit_says *says, error *err)
+mrt_result rig_edit_set_region(rig *r, uint32_t index, const rig_edit_region_values *says,
+                               error *err)
 {
     mrt_result result = check_index(index, r->region_count, "region", err);
     if (result >= 0)
@@ -711,7 +712,7 @@ mrt_result rig_edit_set_ball(rig *r, uint32_t index, vec3 centre, double radius_
     return MRT_OK;
 }
 
-mrt_result rig_edit_ride_bone(rig *r, uint32_t index, uint32_t parent, error *err)
+mrt_result rig_edit_set_parent(rig *r, uint32_t index, uint32_t parent, error *err)
 {
     mrt_result result = check_removable(r, index, err);
     if (result < 0)
@@ -1000,7 +1001,7 @@ mrt_result rig_edit_move_contact(rig *r, uint32_t index, uint32_t vertex, error 
     return result;
 }
 
-mrt_result rig_edit_ride(rig *r, uint32_t index, uint32_t bone, error *err)
+mrt_result rig_edit_set_contact_bone(rig *r, uint32_t index, uint32_t bone, error *err)
 {
     mrt_result result = check_index(index, r->contact_count, "contact", err);
     if (result < 0)
@@ -1457,7 +1458,7 @@ void rig_history_destroy(rig_history *self)
     free(self);
 }
 
-const rig *rig_history_now(const rig_history *self)
+const rig *rig_history_current(const rig_history *self)
 {
     return &self->state[self->now % RIG_HISTORY_MAX];
 }
@@ -1480,7 +1481,7 @@ void rig_history_push(rig_history *self, rig *changed)
     *changed = (rig){0};
 }
 
-bool rig_history_go(rig_history *self, uint64_t number)
+bool rig_history_restore(rig_history *self, uint64_t number)
 {
     if (number < self->first || number > self->last)
         return false;

@@ -771,8 +771,8 @@ static bool has_shape(const mesh *m, const char *name)
     return found;
 }
 
-mrt_result rig_poses_carry(rig *r, const mesh *m, const rig *model, const mesh *model_mesh,
-                           error *err)
+mrt_result rig_poses_transfer(rig *r, const mesh *m, const rig *model, const mesh *model_mesh,
+                              error *err)
 {
     carrying c = {.to = {.rig = r, .mesh = m}, .from = {.rig = model, .mesh = model_mesh}};
     mrt_result result = bones_init(&c.to.bones, r, (vec3){0, 0, 0}, err);
@@ -856,7 +856,7 @@ static mrt_result ease(rig_poses_stage *stage, rig_pose *pose, uint32_t index, b
     return result;
 }
 
-mrt_result rig_poses_ease(rig *r, uint32_t first, const mesh *m, const topology *t, error *err)
+mrt_result rig_poses_reduce(rig *r, uint32_t first, const mesh *m, const topology *t, error *err)
 {
     rig_poses_stage stage;
     mrt_result result = rig_poses_stage_init(&stage, r, m, t, err);

@@ -72,11 +72,11 @@ CHECKED mrt_result rig_poses_of(rig_pose *out, const char *name, face *f, uint32
  * m's shapes lack them. Copies the values of contacts and degrees of freedom with the same names,
  * and scales pulls by the size of that part of the head. Leaves out pulls that only correct a
  * model's smile at rest, and lids that r does not have. */
-CHECKED mrt_result rig_poses_carry(rig *r, const mesh *m, const rig *model, const mesh *model_mesh,
-                                   error *err);
+CHECKED mrt_result rig_poses_transfer(rig *r, const mesh *m, const rig *model,
+                                      const mesh *model_mesh, error *err);
 /* Shortens pulls of the poses from `first` on that fold the skin, or that the limit holds back by
  * more than 0.3 mm. If that is not enough, also opens the jaw less. */
-CHECKED mrt_result rig_poses_ease(rig *r, uint32_t first, const mesh *m, const topology *t,
-                                  error *err);
+CHECKED mrt_result rig_poses_reduce(rig *r, uint32_t first, const mesh *m, const topology *t,
+                                    error *err);
 
 #endif

@@ -364,7 +364,7 @@ mrt_result live_frame_tick(live_stage *stage, error *err)
     mrt_sample sample = stage->pointed;
     sample.time_ns = clock_now_ns();
     sample.count = POINTER_CHANNELS;
-    return player_give(stage->loop, 0, &sample, err);
+    return player_perform_sample(stage->loop, 0, &sample, err);
 }
 
 /* ---- faces ---- */
@@ -375,7 +375,7 @@ static void meter(live_stage *stage, const face *f, int64_t now_ns)
         return;
     stage->is_metered = true;
     stage->metered_ns = now_ns;
-    const face_surface judged = face_judge(f);
+    const face_surface judged = face_measure_surface(f);
     stage->min_determinant = judged.min_determinant;
     stage->skin = judged.skin;
     stage->penetration_mm = face_penetration_mm(f);
@@ -574,7 +574,7 @@ static void describe_patch(live_pulse *now, const patch_bay *bay)
     now->patch_speaks = 0;
     now->is_patch_moving = !patch_bay_is_settled(bay);
     for (uint32_t i = 0; i < PATCH_CONNECTIONS_MAX; ++i)
-        now->patch_speaks |= (uint64_t)bay->may_speak[i] << i;
+        now->patch_speaks |= (uint64_t)bay->may_pull[i] << i;
     memcpy(now->patch_pressed, bay->pressed, sizeof now->patch_pressed);
 }
 
@@ -635,7 +635,7 @@ static void *run(void *data)
     live *self = data;
     error err = {""};
     while (!atomic_load(&self->stop))
-        if (player_go_on(self->stage.loop, &err) < 0)
+        if (player_run_live(self->stage.loop, &err) < 0)
             log_push(self->stage.log, MRT_LOG_ERROR, "stage", err.text);
     return NULL;
 }

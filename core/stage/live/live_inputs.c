@@ -121,7 +121,7 @@ static mrt_result save_pulled(live_stage *stage, void *data, error *err)
     pulled *p = data;
     if (await_pointer(stage, p) == MRT_HOLD)
         return MRT_HOLD;
-    p->size = performer_save_pulled(stage->scene->performer, p->bytes, p->capacity);
+    p->size = performer_save_pointer(stage->scene->performer, p->bytes, p->capacity);
     return MRT_OK;
 }
 
@@ -149,7 +149,7 @@ static mrt_result load_pulled(live_stage *stage, void *data, error *err)
     pulled *p = data;
     if (await_pointer(stage, p) == MRT_HOLD)
         return MRT_HOLD;
-    mrt_result result = performer_load_pulled(stage->scene->performer, p->bytes, p->size, err);
+    mrt_result result = performer_load_pointer(stage->scene->performer, p->bytes, p->size, err);
     return result < 0 ? result : live_cast_begin(stage, &p->change, err);
 }
 

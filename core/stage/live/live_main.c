@@ -162,7 +162,7 @@ void live_status_of(live *self, live_status *out)
     unroll_frames(status, pulse);
     status->isolated = live_mapping_isolated(self->role);
     const reload_counts reloads =
-        self->role->reload ? reload_counted(self->role->reload) : (reload_counts){0};
+        self->role->reload ? reload_get_counts(self->role->reload) : (reload_counts){0};
     status->reload_taken = reloads.taken;
     status->reload_refused = reloads.refused;
     status->is_sound_armed = self->wants_sound;

@@ -442,7 +442,7 @@ static mrt_result begin_over(live_stage *stage, void *data, error *err)
     beginning *b = data;
     sequencer *s = stage->timeline->sequencer;
     layer *of = stage->scene->performer->voice[0].layer;
-    layer_begin_anew(of);
+    layer_reset_keep_taught(of);
     sequencer_set_live(s, of, b->owned, b->is_additive);
     b->cast = recorder_change(stage->recorder, b->cast);
     overdub_run_slate(b->run, stage->recorder);

@@ -277,7 +277,7 @@ static void request_shapes(composer *self)
         close_layer(&at);
         weight[s] = (float)at.value[0];
     }
-    face_ask_shapes(self->face, weight);
+    face_set_least_weights(self->face, weight);
 }
 
 /* ---- the anchored pulls of all parts in one solve ---- */
@@ -625,7 +625,7 @@ static void rest(composer *self)
     static const float still[MRT_MAX_DOFS] = {0};
     if (!self->engaged || self->joined_count == 0)
         return;
-    face_ask_shapes(self->face, NULL);
+    face_set_least_weights(self->face, NULL);
     aim(self, accepts_none, still);
     forget_held(self);
     self->joined_count = 0;
@@ -1245,7 +1245,7 @@ const mrt_pull *composer_pull(const composer *self)
     return &self->pulled;
 }
 
-uint32_t composer_asks(const composer *self, composer_asked out[MRT_MAX_VECTORS])
+uint32_t composer_targets(const composer *self, composer_target out[MRT_MAX_VECTORS])
 {
     double way[MRT_MAX_VECTORS * 3];
     float dof[MRT_MAX_DOFS] = {0};
@@ -1255,10 +1255,10 @@ uint32_t composer_asks(const composer *self, composer_asked out[MRT_MAX_VECTORS]
     face_unride(self->face, way, dof);
     for (uint32_t k = 0; k < count; ++k) {
         const double *end = self->aimed + 3 * k;
-        out[k] = (composer_asked){.contact = self->control[k].contact,
-                                  .start = self->control[k].start,
-                                  .end = {end[0], end[1], end[2]},
-                                  .way = {way[3 * k], way[3 * k + 1], way[3 * k + 2]}};
+        out[k] = (composer_target){.contact = self->control[k].contact,
+                                   .start = self->control[k].start,
+                                   .end = {end[0], end[1], end[2]},
+                                   .way = {way[3 * k], way[3 * k + 1], way[3 * k + 2]}};
     }
     return count;
 }
@@ -1283,7 +1283,7 @@ bool composer_is_anchored(const composer *self)
     return self->engaged;
 }
 
-composer_counts *composer_counted(composer *self)
+composer_counts *composer_get_counts(composer *self)
 {
     return &self->counts;
 }

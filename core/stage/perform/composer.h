@@ -75,12 +75,12 @@ const shading *composer_shading(const composer *self); /* normals, in the order 
 const mrt_pull *composer_pull(const composer *self);
 /* Copies the targets of the last anchored step, one for each control, all layers blended. Returns
  * their number. 0: not anchored. */
-typedef struct composer_asked {
+typedef struct composer_target {
     uint32_t contact; /* 1 + index; 0: a free point */
     vec3 start, end;  /* mm: position when it was gripped; target */
     vec3 way;         /* mm: offset with all bones at rest, derived ones included */
-} composer_asked;
-uint32_t composer_asks(const composer *self, composer_asked out[MRT_MAX_VECTORS]);
+} composer_target;
+uint32_t composer_targets(const composer *self, composer_target out[MRT_MAX_VECTORS]);
 csrbf_settings composer_solver(const composer *self); /* radius > 0 */
 /* The same, with the settings of the pull applied. */
 csrbf_settings composer_solver_of(const composer *self, const mrt_pull *pull);
@@ -107,6 +107,6 @@ typedef struct composer_counts {
     double min_determinant; /* unanchored: smallest determinant so far, 1 at first */
     error first_problem;    /* of the guard or the engine; "": none */
 } composer_counts;
-composer_counts *composer_counted(composer *self);
+composer_counts *composer_get_counts(composer *self);
 
 #endif

@@ -197,7 +197,7 @@ mrt_result face_file_cut_mouth(face_file *f, const uint32_t *chain, uint32_t cou
     return join_notes(f, err);
 }
 
-/* Adds the puppet's poses to the rig of a mesh (rig_poses_carry). */
+/* Adds the puppet's poses to the rig of a mesh (rig_poses_transfer). */
 static mrt_result carry_poses(rig *r, const mesh *m, error *err)
 {
     face_file model;
@@ -208,7 +208,7 @@ static mrt_result carry_poses(rig *r, const mesh *m, error *err)
     if (result < 0)
         return result;
     if (model.rig)
-        result = rig_poses_carry(r, m, model.rig, &model.mesh, err);
+        result = rig_poses_transfer(r, m, model.rig, &model.mesh, err);
     face_file_destroy(&model);
     return result;
 }
@@ -253,7 +253,7 @@ mrt_result face_file_draft(rig *out, char **out_confirm, const mesh *m, const to
         return result;
     keep_frame(out, m, mesh_path);
     const uint32_t first = out->pose_count;
-    if (carry_poses(out, m, &reason) < 0 || rig_poses_ease(out, first, m, t, &reason) < 0)
+    if (carry_poses(out, m, &reason) < 0 || rig_poses_reduce(out, first, m, t, &reason) < 0)
         while (out->pose_count > first)
             rig_pose_finish(&out->pose[--out->pose_count]);
     if (reason.text[0])

@@ -34,7 +34,7 @@ CHECKED mrt_result face_file_cut_mouth(face_file *f, const uint32_t *chain, uint
                                        error *err);
 
 /* Creates a first rig for a mesh alone (rig_draft_make). The rig contains the unit and axes of the
- * mesh file, and the puppet's poses with the names that other programs use (rig_poses_carry). If
+ * mesh file, and the puppet's poses with the names that other programs use (rig_poses_transfer). If
  * the poses cannot be added, a line of out_confirm gives the reason. [any] while no thread changes
  * the mesh. */
 CHECKED mrt_result face_file_draft(rig *out, char **out_confirm, const mesh *m, const topology *t,

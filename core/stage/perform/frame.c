@@ -115,7 +115,7 @@ mrt_result frame_step(stage_frame *f, error *err)
 
     /* 1. Schedule: the samples leave their sources and get the time of the step. */
     if (f->sources)
-        scheduler_take(f->sources, s);
+        scheduler_consume(f->sources, s);
     end_phase(f, FRAME_SCHEDULE, &at_ns);
 
     /* 2. Record the samples before any other phase reads them. */
@@ -139,7 +139,7 @@ mrt_result frame_step(stage_frame *f, error *err)
     in->inputs = of->inputs.shown;
     in->input_count = of->inputs.count;
     read_pointer(p, of, s);
-    layer_go_on(of);
+    layer_advance(of);
     end_phase(f, FRAME_HANDS, &at_ns);
 
     /* 4. Patch: channels become parameters here. The pulls of the patch join in phase 7. */
@@ -181,7 +181,7 @@ mrt_result frame_step(stage_frame *f, error *err)
 void frame_recompose(performer *p, int64_t now_ns)
 {
     performer_parts parts;
-    performer_compose(p, PERFORMER_NOBODY, now_ns, &parts);
+    performer_compose(p, PERFORMER_NO_VOICE, now_ns, &parts);
     composer_move(p->composer, parts.part, parts.count, 0.0);
 }
 

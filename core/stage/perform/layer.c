@@ -43,7 +43,7 @@ static bool keep_taught(layer *self)
     return is_taught;
 }
 
-void layer_begin_anew(layer *self)
+void layer_reset_keep_taught(layer *self)
 {
     (void)keep_taught(self);
     layer_reset(self);
@@ -369,7 +369,7 @@ static void reset_if_requested(layer *self)
     self->functions->reset(self->mapping->self);
 }
 
-void layer_go_on(layer *self)
+void layer_advance(layer *self)
 {
     advance_fade(self);
     reset_if_requested(self);

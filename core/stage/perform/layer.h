@@ -97,13 +97,13 @@ void layer_destroy(layer *self); /* [main] deactivates the mapping; accepts NULL
 
 void layer_reset(layer *self); /* restores the state after create; parameters are kept */
 /* [frame] The same, but the taught values of the mapping are kept (MRT_STATE). */
-void layer_begin_anew(layer *self);
+void layer_reset_keep_taught(layer *self);
 
 /* ---- for frame.c ---- */
 
 /* Call once per step, before the mapping. Advances a cross-fade, and resets the mapping if the
  * pointer requested it. */
-void layer_go_on(layer *self);
+void layer_advance(layer *self);
 /* Makes `pull`, which passed the guard, the pull of the layer. */
 void layer_use_pull(layer *self);
 /* Drops `pull`. The mapping gets the last good pull at its next call. */

@@ -191,9 +191,9 @@ bool patch_course_step(patch_course *course, const patch_connection *c, double w
     /* If the user moved the slider meanwhile, the target has a new value to pick up. */
     bool is_moved = course->is_heard && c->kind == PATCH_PARAM && !is_same(under, course->under);
     if (c->picks_up && is_moved)
-        course->is_caught = false;
-    if (!course->is_caught) {
-        course->is_caught = !c->picks_up || passes(before, wanted, under, of->high - of->low);
+        course->is_picked_up = false;
+    if (!course->is_picked_up) {
+        course->is_picked_up = !c->picks_up || passes(before, wanted, under, of->high - of->low);
         course->value = wanted;
     }
     course->is_heard = true;
@@ -203,7 +203,7 @@ bool patch_course_step(patch_course *course, const patch_connection *c, double w
     course->value += share * (wanted - course->value);
     if (!(c->smooth_s > 0.0))
         course->value = wanted;
-    return course->is_caught;
+    return course->is_picked_up;
 }
 
 bool patch_course_press(patch_course *course, double share)
@@ -258,8 +258,8 @@ static bool read_performer(const char *name, const mrt_frame *frame, mrt_channel
     return true;
 }
 
-bool patch_listen(const patch_connection *c, const mrt_frame *frame, mrt_channel *out_channel,
-                  double *out_raw)
+bool patch_read_channel(const patch_connection *c, const mrt_frame *frame, mrt_channel *out_channel,
+                        double *out_raw)
 {
     if (strcmp(c->input, PATCH_PERFORMER) == 0)
         return read_performer(c->channel, frame, out_channel, out_raw);

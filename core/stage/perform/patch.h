@@ -89,8 +89,8 @@ double patch_wanted(const patch_connection *c, const mrt_channel *channel, doubl
 
 typedef struct patch_course { /* zeroed: no sample yet */
     bool is_heard;
-    bool is_caught; /* picked up */
-    bool was_down;  /* of a button */
+    bool is_picked_up; /* picked up */
+    bool was_down;     /* of a button */
     double wanted, value;
     double under; /* value of the target before pick-up, or after it was moved by other means */
 } patch_course;
@@ -107,8 +107,8 @@ bool patch_course_press(patch_course *course, double share);
 /* Finds the channel of the connection in this frame and returns its raw value and description. The
  * description of a PATCH_PERFORMER angle also has a range. Returns false if no input has the
  * channel. */
-bool patch_listen(const patch_connection *c, const mrt_frame *frame, mrt_channel *out_channel,
-                  double *out_raw);
+bool patch_read_channel(const patch_connection *c, const mrt_frame *frame, mrt_channel *out_channel,
+                        double *out_raw);
 /* Returns whether `name` equals `wanted` or begins with it as a whole word. */
 bool patch_is_input(const char *wanted, const char *name);
 

@@ -272,7 +272,7 @@ static void forget_pull(mrt_pull *pull, float *shapes)
 void patch_bay_reset(patch_bay *self)
 {
     memset(self->course, 0, sizeof self->course);
-    memset(self->may_speak, 0, sizeof self->may_speak);
+    memset(self->may_pull, 0, sizeof self->may_pull);
     memset(self->speaks, 0, sizeof self->speaks);
     memset(self->presses, 0, sizeof self->presses);
     for (int k = 0; k < PATCH_PULLS; ++k) {
@@ -328,7 +328,7 @@ bool patch_bay_set(patch_bay *self, patch_plan *plan, patch_plan **out_old)
     if (self->is_fading)
         return false;
     carry_courses_over(self, plan);
-    memset(self->may_speak, 0, sizeof self->may_speak);
+    memset(self->may_pull, 0, sizeof self->may_pull);
     memset(self->speaks, 0, sizeof self->speaks);
     memset(self->presses, 0, sizeof self->presses);
     if (self->pull[PATCH_INSTEAD].mode != MRT_IDLE || self->pull[PATCH_ADDED].mode != MRT_IDLE)
@@ -402,7 +402,7 @@ void patch_bay_params(const patch_bay *self, const double *own, double *out)
         const mrt_param *p = &self->mapping->params[k];
         if (self->presses[i])
             out[k] = p->max;
-        if (is_trigger(self, i) || !self->may_speak[i])
+        if (is_trigger(self, i) || !self->may_pull[i])
             continue;
         double value = c->adds ? out[k] + self->course[i].value : self->course[i].value;
         value = fmin(fmax(value, p->min), p->max);
@@ -451,7 +451,7 @@ static void update_connection(patch_bay *self, uint32_t i, const mrt_frame *fram
     double raw;
     self->presses[i] = false;
     if (c->is_muted || (c->kind == PATCH_PARAM && self->param[i] == UINT32_MAX) ||
-        !patch_listen(c, frame, &channel, &raw))
+        !patch_read_channel(c, frame, &channel, &raw))
         return; /* the last value is kept */
     if (is_trigger(self, i)) {
         press(self, i, &channel, raw);
@@ -459,14 +459,14 @@ static void update_connection(patch_bay *self, uint32_t i, const mrt_frame *fram
     }
     const patch_range range = range_of(self, i);
     double wanted = patch_wanted(c, &channel, raw, &range);
-    self->may_speak[i] = patch_course_step(&self->course[i], c, wanted,
-                                           under_of(self, i, own, below), &range, frame->dt_s);
+    self->may_pull[i] = patch_course_step(&self->course[i], c, wanted,
+                                          under_of(self, i, own, below), &range, frame->dt_s);
 }
 
 static bool is_pulling(const patch_bay *self, uint32_t i)
 {
     patch_kind kind = self->plan->of.connection[i].kind;
-    return self->may_speak[i] && kind != PATCH_PARAM && kind != PATCH_ACTION;
+    return self->may_pull[i] && kind != PATCH_PARAM && kind != PATCH_ACTION;
 }
 
 /* Starts a fade if the set of active connections changed, unless a fade is running. */
@@ -620,9 +620,9 @@ size_t patch_bay_save(const patch_bay *self, void *bytes, size_t capacity)
     bytes_write_u32(&out, count);
     for (uint32_t i = 0; i < count; ++i) {
         const patch_course *c = &self->course[i];
-        bytes_write_u32(&out, (c->is_heard ? IS_HEARD : 0u) | (c->is_caught ? IS_CAUGHT : 0u) |
+        bytes_write_u32(&out, (c->is_heard ? IS_HEARD : 0u) | (c->is_picked_up ? IS_CAUGHT : 0u) |
                                   (c->was_down ? WAS_DOWN : 0u) |
-                                  (self->may_speak[i] ? MAY_SPEAK : 0u) |
+                                  (self->may_pull[i] ? MAY_SPEAK : 0u) |
                                   (self->speaks[i] ? SPEAKS : 0u));
         bytes_write_f64(&out, c->wanted);
         bytes_write_f64(&out, c->value);
@@ -650,9 +650,9 @@ static void read_course(bytes_in *in, patch_bay *self, uint32_t i)
     uint32_t flags = bytes_read_u32(in);
     in->failed |= flags >= FLAGS;
     c->is_heard = (flags & IS_HEARD) != 0;
-    c->is_caught = (flags & IS_CAUGHT) != 0;
+    c->is_picked_up = (flags & IS_CAUGHT) != 0;
     c->was_down = (flags & WAS_DOWN) != 0;
-    self->may_speak[i] = (flags & MAY_SPEAK) != 0;
+    self->may_pull[i] = (flags & MAY_SPEAK) != 0;
     self->speaks[i] = (flags & SPEAKS) != 0;
     c->wanted = bytes_read_f64(in);
     c->value = bytes_read_f64(in);

@@ -40,7 +40,7 @@ typedef struct patch_bay {
     const mrt_plugin_type *mapping;        /* owner of the parameters */
     uint32_t param[PATCH_CONNECTIONS_MAX]; /* index in its table; UINT32_MAX: no such parameter */
     patch_course course[PATCH_CONNECTIONS_MAX];
-    bool may_speak[PATCH_CONNECTIONS_MAX];            /* has a sample and is picked up */
+    bool may_pull[PATCH_CONNECTIONS_MAX];             /* has a sample and is picked up */
     bool speaks[PATCH_CONNECTIONS_MAX];               /* also included in the pulls */
     bool presses[PATCH_CONNECTIONS_MAX];              /* pressed in this step */
     uint32_t pressed[PATCH_ACTIONS];                  /* number of presses since create */

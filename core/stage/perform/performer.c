@@ -52,7 +52,7 @@ mrt_result performer_create(performer **out, const face_file *file, instance *ma
     }
     self->voice[0] =
         (performer_voice){.layer = self->own, .is_seen = true, .weight = 1.0, .gain = 1.0};
-    self->counts = composer_counted(self->composer);
+    self->counts = composer_get_counts(self->composer);
     *out = self;
     return MRT_OK;
 }
@@ -248,7 +248,7 @@ mrt_result performer_load(performer *self, const void *bytes, size_t size, error
     return result;
 }
 
-size_t performer_save_pulled(performer *self, void *bytes, size_t capacity)
+size_t performer_save_pointer(performer *self, void *bytes, size_t capacity)
 {
     const pointer *p = &self->voice[0].layer->pointer;
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
@@ -262,7 +262,7 @@ size_t performer_save_pulled(performer *self, void *bytes, size_t capacity)
     return out.size + held + face_size;
 }
 
-mrt_result performer_load_pulled(performer *self, const void *bytes, size_t size, error *err)
+mrt_result performer_load_pointer(performer *self, const void *bytes, size_t size, error *err)
 {
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
     const size_t held = bytes_read_u32(&in), left = (size_t)(in.end - in.at);

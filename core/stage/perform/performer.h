@@ -22,7 +22,7 @@ typedef struct performer_settings {
 enum {
     PERFORMER_PARTS_MAX = 8, /* maximum number of parts of one voice */
     PERFORMER_VOICES_MAX = COMPOSER_PARTS_MAX / PERFORMER_PARTS_MAX,
-    PERFORMER_NOBODY = PERFORMER_VOICES_MAX
+    PERFORMER_NO_VOICE = PERFORMER_VOICES_MAX
 };
 typedef struct performer_voice {
     layer *layer;        /* NULL: unused */
@@ -66,7 +66,7 @@ typedef struct performer_parts {
     uint32_t count;
 } performer_parts;
 /* Lists the parts of all visible voices, bottom first. now_ns: time in the clock of the performer
- * (sample_step.due_ns). fresh: the voice that performed in this step; PERFORMER_NOBODY: none. */
+ * (sample_step.due_ns). fresh: the voice that performed in this step; PERFORMER_NO_VOICE: none. */
 void performer_compose(performer *self, uint32_t fresh, int64_t now_ns, performer_parts *out);
 
 /* ---- save and load voice 0 ---- */
@@ -81,8 +81,8 @@ CHECKED mrt_result performer_load(performer *self, const void *bytes, size_t siz
 /* The same for the pulls of the pointer and the shape of the face. Hands and mapping are not
  * changed. [frame] without allocation. On error either nothing has changed or the face is at rest.
  */
-size_t performer_save_pulled(performer *self, void *bytes, size_t capacity);
-CHECKED mrt_result performer_load_pulled(performer *self, const void *bytes, size_t size,
-                                         error *err);
+size_t performer_save_pointer(performer *self, void *bytes, size_t capacity);
+CHECKED mrt_result performer_load_pointer(performer *self, const void *bytes, size_t size,
+                                          error *err);
 
 #endif

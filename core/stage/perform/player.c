@@ -14,7 +14,7 @@ static const int64_t gap_max_ns = 3600 * NS_PER_S;
 
 struct player_loop {
     stage_frame *frame;
-    bool is_endless; /* player_go_on: does not end with the inputs, skips late frames */
+    bool is_endless; /* player_run_live: does not end with the inputs, skips late frames */
     bool is_over;    /* a drawn frame returned MRT_END */
     input *inputs[PLAYER_INPUTS_MAX];
     uint32_t input_count;
@@ -29,8 +29,8 @@ struct player_loop {
     int64_t begin_ns; /* real time: start of the performance, even without samples */
     int64_t start_ns;
     int64_t work_ns;           /* spent on steps since the last drawn frame */
-    int64_t drawn_ns, draw_ns; /* player_go_on: end and duration of the last drawing */
-    bool is_wanted;            /* player_go_on: draw as soon as no sample waits */
+    int64_t drawn_ns, draw_ns; /* player_run_live: end and duration of the last drawing */
+    bool is_wanted;            /* player_run_live: draw as soon as no sample waits */
 };
 
 static int64_t frame_time_ns(const player_loop *self, uint32_t index)
@@ -153,7 +153,7 @@ static void report_incidents(player_loop *self)
         while (input_pop_incident(self->inputs[i], &incident)) {
             int64_t from_ns = self->started ? self->start_ns : self->begin_ns;
             self->report.went_count += incident.kind == INPUT_WAS_LOST;
-            self->report.came_count += incident.kind == INPUT_IS_BACK;
+            self->report.returned_count += incident.kind == INPUT_IS_BACK;
             self->report.away_s += (double)incident.away_ns / 1e9;
             if (self->events.incident)
                 self->events.incident(self->events.data, self->inputs[i], &incident,
@@ -225,7 +225,7 @@ static mrt_result perform_or_draw(player_loop *self, error *err)
     return result;
 }
 
-mrt_result player_go_on(player_loop *self, error *err)
+mrt_result player_run_live(player_loop *self, error *err)
 {
     mrt_result result = MRT_OK;
     self->begin_ns = self->start_ns = clock_now_ns();
@@ -269,7 +269,8 @@ void player_calibrate(player_loop *self, uint32_t side, const hand_calibration *
     scheduler_calibrate(&self->scheduler, side, calibration);
 }
 
-mrt_result player_give(player_loop *self, uint32_t index, const mrt_sample *sample, error *err)
+mrt_result player_perform_sample(player_loop *self, uint32_t index, const mrt_sample *sample,
+                                 error *err)
 {
     stage_frame *f = self->frame;
     f->step = sample_step_of(self->scheduler.entry[index].route, sample);

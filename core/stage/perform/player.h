@@ -27,7 +27,7 @@ typedef struct player_events {
     /* Called when a device was lost or is back, time_s after the start of the performance. May be
      * NULL. */
     void (*incident)(void *data, const input *from, const input_incident *what, double time_s);
-    /* [frame] player_go_on only: called between any two steps. player_add_input and
+    /* [frame] player_run_live only: called between any two steps. player_add_input and
      * player_remove_input may be called here. Returns true to request a drawing as soon as no
      * sample waits. May be NULL. */
     bool (*between)(void *data);
@@ -40,8 +40,8 @@ typedef struct player_report {
     uint32_t dropped, refused;
     double duration_s; /* from the first to the last sample */
     bool input_failed;
-    uint32_t went_count, came_count; /* number of devices that were lost, and that came back */
-    double away_s;                   /* total absence of the devices that came back */
+    uint32_t went_count, returned_count; /* number of devices that were lost, and that came back */
+    double away_s;                       /* total absence of the devices that came back */
 } player_report;
 
 enum { PLAYER_INPUTS_MAX = STEP_SAMPLES_MAX };
@@ -57,7 +57,7 @@ CHECKED mrt_result player_create(player_loop **out, stage_frame *f, const player
                                  const player_events *events, error *err);
 void player_destroy(player_loop *self); /* after its inputs are removed or stopped; accepts NULL */
 /* Performs until *settings->stop is set. [frame] */
-CHECKED mrt_result player_go_on(player_loop *self, error *err);
+CHECKED mrt_result player_run_live(player_loop *self, error *err);
 /* Returns the signal that wakes the player, for its inputs (input_set_wake) and for commands. */
 wake *player_wake(player_loop *self);
 
@@ -68,8 +68,8 @@ input *player_input(player_loop *self, uint32_t index);
 /* NULL: the default. The calibration must stay valid until the next call. */
 void player_calibrate(player_loop *self, uint32_t side, const hand_calibration *calibration);
 /* Performs a sample that the stage itself made, after all samples so far. */
-CHECKED mrt_result player_give(player_loop *self, uint32_t index, const mrt_sample *sample,
-                               error *err);
+CHECKED mrt_result player_perform_sample(player_loop *self, uint32_t index,
+                                         const mrt_sample *sample, error *err);
 /* Reports that the drawn face shows time_ns. Later samples get later times, even if they were
  * measured before. */
 void player_show_until(player_loop *self, int64_t time_ns);

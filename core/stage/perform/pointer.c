@@ -113,7 +113,7 @@ static uint32_t find_contact(const mrt_face *about, vec3 rest)
 /* Adds an offset. If the array is full, drops the oldest one. */
 static pointer_offset *add_offset(pointer *self, uint32_t contact, vec3 rest)
 {
-    if (self->count == POINTER_STAYING_MAX + 1)
+    if (self->count == POINTER_KEPT_MAX + 1)
         remove_offset(self, 0);
     pointer_offset *o = &self->offset[self->count++];
     *o = (pointer_offset){.contact = contact, .rest = rest};
@@ -133,7 +133,7 @@ static void make_room(pointer *self)
         if (!oldest)
             oldest = o;
     }
-    if (oldest && staying >= POINTER_STAYING_MAX)
+    if (oldest && staying >= POINTER_KEPT_MAX)
         ease_back(oldest);
 }
 
@@ -215,7 +215,7 @@ static void apply_sample(pointer *self, const mrt_face *about, const pointer_sam
         release(self, self->stays);
     if (is_held(now->grip) && is_new_grip)
         begin_grip(self, about, now);
-    if (now->grip >= POINTER_LETS_GO && now->grip != self->grip)
+    if (now->grip >= POINTER_RELEASE_ALL && now->grip != self->grip)
         release_all(self);
     if (now->grip == POINTER_NEUTRAL && self->grip != POINTER_NEUTRAL) {
         self->restores = true;
@@ -324,7 +324,7 @@ static void read_pull(bytes_in *in, mrt_pull *out)
 {
     *out = guard_idle();
     bytes_read(in, out, offsetof(mrt_pull, vector));
-    if (out->count > POINTER_STAYING_MAX + 1 || out->mode > MRT_UNANCHORED) {
+    if (out->count > POINTER_KEPT_MAX + 1 || out->mode > MRT_UNANCHORED) {
         in->failed = true;
         out->count = 0;
     }
@@ -380,7 +380,7 @@ bool pointer_load(pointer *self, const void *bytes, size_t size)
     self->restores = bytes_read_u32(&in) != 0;
     self->restores_s = bytes_read_f64(&in);
     uint32_t count = bytes_read_u32(&in);
-    in.failed |= count > POINTER_STAYING_MAX + 1;
+    in.failed |= count > POINTER_KEPT_MAX + 1;
     for (uint32_t i = 0; i < count && !in.failed; ++i) {
         pointer_offset *o = &self->offset[self->count++];
         o->contact = bytes_read_u32(&in);

@@ -14,10 +14,10 @@
 
 typedef enum pointer_grip {
     POINTER_AWAY = 0,
-    POINTER_PULLS,   /* anchored pull */
-    POINTER_KNEADS,  /* unanchored drag, as on clay */
-    POINTER_LETS_GO, /* releases all offsets that stay: contacts ease back to rest */
-    POINTER_NEUTRAL  /* the same, resets the mapping, and returns the base to the rest shape */
+    POINTER_PULLS,       /* anchored pull */
+    POINTER_KNEADS,      /* unanchored drag, as on clay */
+    POINTER_RELEASE_ALL, /* releases all offsets that stay: contacts ease back to rest */
+    POINTER_NEUTRAL      /* the same, resets the mapping, and returns the base to the rest shape */
 } pointer_grip;
 
 /* The channels; all are MRT_NO_HAND. The semantic is POINTER_SEMANTIC + the value below, which is
@@ -40,7 +40,7 @@ typedef enum pointer_channel {
 const mrt_channel *pointer_channels(uint32_t *out_count); /* const data */
 
 enum {
-    POINTER_STAYING_MAX = 24
+    POINTER_KEPT_MAX = 24
 }; /* contacts that keep an offset; beyond this the oldest eases back */
 
 typedef struct pointer_offset { /* of a contact, or of a point of the skin */
@@ -70,7 +70,7 @@ typedef struct pointer {
     double restores_s; /* time since the base began to return to rest */
     double restore;    /* 0..1: share of the remaining way to rest in the last step */
     uint32_t count;    /* number of entries in `offset`, oldest first */
-    pointer_offset offset[POINTER_STAYING_MAX + 1];
+    pointer_offset offset[POINTER_KEPT_MAX + 1];
 } pointer;
 
 void pointer_reset(pointer *self);

@@ -400,7 +400,7 @@ const char *reload_identity(const reload *self)
     return self->identity;
 }
 
-reload_counts reload_counted(const reload *self)
+reload_counts reload_get_counts(const reload *self)
 {
     return (reload_counts){.taken = atomic_load(&self->taken_count),
                            .refused = atomic_load(&self->refused_count),

@@ -40,6 +40,6 @@ typedef struct reload_counts {
     uint32_t taken, refused;
     int64_t last_ns; /* from the change of the file until the switch was complete */
 } reload_counts;
-reload_counts reload_counted(const reload *self); /* [any] */
+reload_counts reload_get_counts(const reload *self); /* [any] */
 
 #endif

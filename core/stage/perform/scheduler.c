@@ -248,7 +248,7 @@ void scheduler_insert(scheduler *self, sample_step *s)
     self->last_ns = s->time_ns;
 }
 
-void scheduler_take(scheduler *self, sample_step *s)
+void scheduler_consume(scheduler *self, sample_step *s)
 {
     uint64_t number = self->step_count + 1;
     for (uint32_t i = 0; i < s->count; ++i) {

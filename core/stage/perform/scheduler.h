@@ -71,7 +71,7 @@ CHECKED mrt_result scheduler_next(scheduler *self, int64_t now_ns, sample_step *
                                   int64_t *out_until_ns, error *err);
 /* Consumes the step of scheduler_next from its sources. All its samples get the time of the step.
  */
-void scheduler_take(scheduler *self, sample_step *s);
+void scheduler_consume(scheduler *self, sample_step *s);
 /* The same for a step that comes from no source. */
 void scheduler_insert(scheduler *self, sample_step *s);
 

@@ -126,7 +126,7 @@ static bool share_of(const patch_connection *c, const heard *now, double *out_sh
     mrt_channel channel;
     double raw;
     patch_connection plain = *c;
-    if (!patch_listen(c, &now->frame, &channel, &raw))
+    if (!patch_read_channel(c, &now->frame, &channel, &raw))
         return false;
     plain.kind = PATCH_DOF; /* range 0 to 1, or -1 to 1 for a stick */
     plain.bend = plain.ease = 0.0;
@@ -454,7 +454,7 @@ static void draw_ranges(panel *self, ui *on, patch_connection *c, const heard *n
     mrt_channel channel = {"", "", 0, 0, 0.0f, 1.0f};
     double raw;
     ui_range sliders;
-    (void)patch_listen(c, &now->frame, &channel, &raw);
+    (void)patch_read_channel(c, &now->frame, &channel, &raw);
     const patch_range range = range_of(self, c, &sliders);
     const ui_range in = {(double)channel.min, (double)channel.max, channel.unit, 2, false, 0.0};
     double from = isnan(c->in[0]) ? in.min : c->in[0], to = isnan(c->in[1]) ? in.max : c->in[1];

@@ -347,7 +347,7 @@ enum { NAME = 64, LAYERS_MAX = 2 * RIG_BONES_MAX + 4, SIDES = 2, FULL = 255, HAL
 typedef struct layer { /* region that an ink writes to */
     char name[NAME];
     uint32_t region; /* RIG_NONE: find by name, or create */
-    rig_edit_says says;
+    rig_edit_region_values says;
     bool is_binary; /* values are 0 or 255 only */
     bool is_mobility;
     uint8_t *before, *start, *now; /* vertex_count; start: values at the first touch */
@@ -369,7 +369,7 @@ static const char free_name[] = "painted free", still_name[] = "painted still";
 
 static void says_of_ink(layer *out, const rig *r, rig_ink ink, uint32_t bone)
 {
-    out->says = (rig_edit_says){RIG_NONE, false, (double)NAN, (double)NAN};
+    out->says = (rig_edit_region_values){RIG_NONE, false, (double)NAN, (double)NAN};
     switch (ink) {
     case RIG_INK_RIGID:
         (void)snprintf(out->name, sizeof out->name, "%s%.55s", rigid_prefix, r->bone[bone].name);

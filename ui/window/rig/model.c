@@ -568,7 +568,7 @@ void rig_model_destroy(rig_model *self)
 
 const rig *rig_model_rig(const rig_model *self)
 {
-    const rig *now = rig_history_now(self->history);
+    const rig *now = rig_history_current(self->history);
     return now->bone_count > 0 ? now : NULL;
 }
 
@@ -784,7 +784,7 @@ void rig_model_abandon(rig_model *self)
 
 bool rig_model_go(rig_model *self, uint64_t number)
 {
-    if (!rig_history_go(self->history, number))
+    if (!rig_history_restore(self->history, number))
         return false;
     has_changed(self);
     return true;

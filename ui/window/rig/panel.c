@@ -274,7 +274,7 @@ static void add(panel *self)
 {
     rig *r = rig_panel_begin(self);
     uint32_t index = RIG_NONE;
-    rig_edit_says says = {0, false, 1.0, (double)NAN};
+    rig_edit_region_values says = {0, false, 1.0, (double)NAN};
     if (!r)
         return;
     mrt_result result = rig_edit_add_region(r, NULL, &says, &index, &self->err);
@@ -316,7 +316,7 @@ static void make_paint(panel *self, uint32_t index)
     (void)rig_panel_finish(self, result, "make a region paintable");
 }
 
-static void set_says(panel *self, const rig_edit_says *says, const char *words)
+static void set_says(panel *self, const rig_edit_region_values *says, const char *words)
 {
     rig *r = rig_panel_begin(self);
     if (r)
@@ -362,14 +362,14 @@ static void draw_buttons(panel *self, ui *on, const rig *r)
     ui_hint(on, "Convert the region to a vertex list that the brush can change.");
 }
 
-static region_kind kind_of(const rig_edit_says *says)
+static region_kind kind_of(const rig_edit_region_values *says)
 {
     return says->is_rigid ? KIND_RIGID : isnan(says->weight) ? KIND_MOBILITY : KIND_RIDES;
 }
 
-static void change_kind(panel *self, const rig_edit_says *says, region_kind kind)
+static void change_kind(panel *self, const rig_edit_region_values *says, region_kind kind)
 {
-    rig_edit_says next = {says->bone, kind == KIND_RIGID, (double)NAN, (double)NAN};
+    rig_edit_region_values next = {says->bone, kind == KIND_RIGID, (double)NAN, (double)NAN};
     if (kind != KIND_MOBILITY && next.bone == RIG_NONE)
         next.bone = 0;
     if (kind == KIND_RIDES)
@@ -379,7 +379,7 @@ static void change_kind(panel *self, const rig_edit_says *says, region_kind kind
     set_says(self, &next, "change the effect of a region");
 }
 
-static void draw_region_bone(panel *self, ui *on, const rig *r, const rig_edit_says *says)
+static void draw_region_bone(panel *self, ui *on, const rig *r, const rig_edit_region_values *says)
 {
     const char *items[BONE_ITEMS];
     uint32_t index = says->bone == RIG_NONE ? 0 : says->bone, kind = (uint32_t)kind_of(says);
@@ -387,7 +387,7 @@ static void draw_region_bone(panel *self, ui *on, const rig *r, const rig_edit_s
         items[i] = r->bone[i].name;
     if (kind != KIND_MOBILITY &&
         ui_choice(on, "Bone", RIG_PANEL_LABEL, items, r->bone_count, &index)) {
-        rig_edit_says next = *says;
+        rig_edit_region_values next = *says;
         next.bone = index;
         set_says(self, &next, "change the bone of a region");
         return;
@@ -406,7 +406,7 @@ static bool draw_share(ui *on, const char *label, double *value)
     return ui_slider_is_held(on);
 }
 
-static bool has_same_attributes(const rig_edit_says *a, const rig_region *b)
+static bool has_same_attributes(const rig_edit_region_values *a, const rig_region *b)
 {
     bool same_weight = !(a->weight < b->weight) && !(a->weight > b->weight);
     bool same_mobility = !(a->mobility < b->mobility) && !(a->mobility > b->mobility);
@@ -415,7 +415,7 @@ static bool has_same_attributes(const rig_edit_says *a, const rig_region *b)
 
 static void draw_shares(panel *self, ui *on, const rig_region *region)
 {
-    rig_edit_says *says = &self->says;
+    rig_edit_region_values *says = &self->says;
     bool is_held = false;
     if (!isnan(says->weight))
         is_held = draw_share(on, "Weight", &says->weight) || is_held;
@@ -429,7 +429,7 @@ static void draw_shares(panel *self, ui *on, const rig_region *region)
     self->is_says_held = is_held;
     if (is_held || has_same_attributes(says, region))
         return;
-    rig_edit_says next = *says;
+    rig_edit_region_values next = *says;
     set_says(self, &next, "change the weight of a region");
 }
 
@@ -437,7 +437,8 @@ static void draw_chosen_region(panel *self, ui *on, const rig *r)
 {
     char words[WORDS];
     const rig_region *region = &r->region[self->region];
-    rig_edit_says says = {region->bone, region->is_rigid, region->weight, region->mobility};
+    rig_edit_region_values says = {region->bone, region->is_rigid, region->weight,
+                                   region->mobility};
     uint64_t number = rig_model_number(self->model);
     if (!self->is_says_held)
         self->says = says;
@@ -529,7 +530,8 @@ static void draw_contact_bone(panel *self, ui *on, const rig *r)
     rig *changed = rig_panel_begin(self);
     bone = index == 0 ? RIG_NONE : index - 1;
     if (changed)
-        (void)rig_panel_finish(self, rig_edit_ride(changed, self->contact, bone, &self->err),
+        (void)rig_panel_finish(self,
+                               rig_edit_set_contact_bone(changed, self->contact, bone, &self->err),
                                "change the bone of a contact");
 }
 

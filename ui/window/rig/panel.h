@@ -101,7 +101,7 @@ struct panel {
     bool is_to_follow;               /* scroll to the selected row */
     bool is_even;                    /* symmetric edits: strokes, contacts, jaw */
     rig_naming region_name;
-    rig_edit_says says; /* effect of the selected region while a slider is held */
+    rig_edit_region_values says; /* effect of the selected region while a slider is held */
     bool is_says_held;
     rig_painting painting;
     rig_placing placing;

@@ -520,7 +520,7 @@ static bool has_region(const rig *r, uint32_t bone)
 static void add_region(panel *self)
 {
     uint32_t index = RIG_NONE;
-    const rig_edit_says says = {self->parting.bone, false, 1.0, (double)NAN};
+    const rig_edit_region_values says = {self->parting.bone, false, 1.0, (double)NAN};
     rig *r = rig_panel_begin(self);
     if (r && rig_panel_finish(self, rig_edit_add_region(r, NULL, &says, &index, &self->err),
                               "add a region"))
@@ -552,7 +552,7 @@ static void draw_parent(panel *self, ui *on, const rig *r)
     rig *to = rig_panel_begin(self);
     if (to)
         (void)rig_panel_finish(
-            self, rig_edit_ride_bone(to, index, chosen == nothing ? RIG_NONE : chosen, &self->err),
+            self, rig_edit_set_parent(to, index, chosen == nothing ? RIG_NONE : chosen, &self->err),
             "change the parent of a bone");
 }
 

@@ -469,7 +469,7 @@ static void release_all_pulls(viewport *self)
     contact_position(self, self->contact - 1, at);
     if (app_is_held(self->of))
         app_begin_pull(self->of);
-    live_point(app_live(self->of), POINTER_LETS_GO, rest, at, false, 0.0);
+    live_point(app_live(self->of), POINTER_RELEASE_ALL, rest, at, false, 0.0);
     if (app_is_held(self->of))
         app_hold(self->of, "release all contacts");
 }
