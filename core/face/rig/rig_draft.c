@@ -782,10 +782,10 @@ static json_t *draft_document(drafting *d, const char *mesh_name)
         add_upper_face(d);
         if (d->ambition < WITHOUT_LIDS)
             draft_lids(d);
+        note_mouth(d);
     }
     if (d->a.has_face && d->has_jaw) {
         add_jaw(d);
-        note_mouth(d);
         add_patches(d);
     }
     if (d->has_body)
