@@ -188,8 +188,8 @@ static void pictures_are_decoded_in_the_child(void **state)
     static const struct {
         const char *seed;
         uint32_t width, height;
-    } cases[] = {
-        {"a.png", 24, 16}, {"a.jpg", 24, 16}, {"b.png", 9, 7}, {"c.png", 9, 7}, {"d.png", 24, 16}};
+    } cases[] = {{"a.png", 24, 16}, {"a.jpg", 24, 16},  {"b.png", 9, 7},    {"c.png", 9, 7},
+                 {"d.png", 24, 16}, {"a.webp", 24, 16}, {"b.webp", 24, 16}, {"c.webp", 12, 10}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         set_picture(cases[i].seed);
         mesh m = read_good(",'TEXCOORD_0':1", "'materials':[{'pbrMetallicRoughness':{"
@@ -199,10 +199,79 @@ static void pictures_are_decoded_in_the_child(void **state)
         assert_null(m.image[0].encoded);
         assert_int_equal(m.image[0].width, cases[i].width);
         assert_int_equal(m.image[0].height, cases[i].height);
-        assert_int_equal(m.image[0].rgba[3], 255);
+        assert_int_equal(m.image[0].rgba[7], 255);
         mesh_destroy(&m);
     }
     set_picture("a.png");
+}
+
+/* b.webp was written from a.png without loss. */
+static void a_webp_has_the_pixels_of_its_png(void **state)
+{
+    (void)state;
+    static const char rest[] = "'materials':[{'pbrMetallicRoughness':{'baseColorTexture':"
+                               "{'index':0}}}]" PICTURE;
+    mesh png = read_good(",'TEXCOORD_0':1", rest);
+    mesh_images_decode(&png);
+    set_picture("b.webp");
+    mesh webp = read_good(",'TEXCOORD_0':1", rest);
+    mesh_images_decode(&webp);
+    assert_null(webp.note);
+    assert_memory_equal(webp.image[0].rgba, png.image[0].rgba, 24 * 16 * 4);
+    mesh_destroy(&webp);
+    mesh_destroy(&png);
+    set_picture("c.webp");
+    webp = read_good(",'TEXCOORD_0':1", rest);
+    mesh_images_decode(&webp);
+    assert_int_equal(webp.image[0].rgba[3], 51);
+    mesh_destroy(&webp);
+    set_picture("a.png");
+}
+
+/* A texture may name its picture in one extension, in several, or besides. */
+static void a_texture_takes_the_picture_that_can_be_read(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *textures, *image;
+    } cases[] = {
+        {"'textures':[{'extensions':{'EXT_texture_webp':{'source':1}}}]", "webp"},
+        {"'textures':[{'source':0,'extensions':{'EXT_texture_webp':{'source':1}}}]", "png"},
+        {"'textures':[{'extensions':{'KHR_texture_basisu':{'source':2},'EXT_texture_avif':"
+         "{'source':2},'EXT_texture_webp':{'source':1}}}]",
+         "webp"},
+        {"'textures':[{'source':0,'extensions':{'KHR_texture_basisu':{'source':2}}}]", "png"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char rest[1024];
+        (void)snprintf(rest, sizeof rest,
+                       "'materials':[{'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}}],"
+                       "'extensionsRequired':['EXT_texture_webp'],'images':["
+                       "{'name':'png','mimeType':'image/png','bufferView':5},"
+                       "{'name':'webp','mimeType':'image/webp','bufferView':5},"
+                       "{'name':'ktx2','mimeType':'image/ktx2','bufferView':5}],%s",
+                       cases[i].textures);
+        mesh m = read_good(",'TEXCOORD_0':1", rest);
+        assert_int_equal(m.material[0].base.image, 1);
+        assert_string_equal(m.image[0].name, cases[i].image);
+        assert_null(m.note);
+        mesh_destroy(&m);
+    }
+}
+
+/* The smallest WebP: one white pixel, without loss. */
+static void a_data_uri_may_be_webp(void **state)
+{
+    (void)state;
+    mesh m = read_good(",'TEXCOORD_0':1",
+                       "'materials':[{'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}}],"
+                       "'textures':[{'extensions':{'EXT_texture_webp':{'source':0}}}],'images':["
+                       "{'uri':'data:image/webp;base64,"
+                       "UklGRh4AAABXRUJQVlA4TBEAAAAvAAAAAAfQ//73v/+BiOh/AAA='}]");
+    mesh_images_decode(&m);
+    assert_null(m.note);
+    assert_int_equal(m.image[0].width, 1);
+    assert_string_equal(m.image[0].name, "images[0]");
+    mesh_destroy(&m);
 }
 
 /* A head without its picture and one sentence. */
@@ -271,19 +340,32 @@ static void damaged_and_foreign_pictures_are_told(void **state)
 {
     (void)state;
     static const char ktx2[] = "\xabKTX 20\xbb\r\n\x1a\n1234", webp[] = "RIFF1234WEBPVP8 ";
+    static const char avif[] = "\0\0\0\x1c"
+                               "ftypavif\0\0\0\0";
     mesh m = decode_of(ktx2, sizeof ktx2);
-    assert_non_null(strstr(m.note, "the picture \"face\" is not drawn: KTX2"));
+    assert_non_null(strstr(m.note, "the picture \"face\" is not drawn: it is KTX2"));
+    assert_non_null(strstr(m.note, "gltf-transform ktxdecompress"));
     assert_null(m.image[0].rgba);
     mesh_destroy(&m);
     m = decode_of(webp, sizeof webp);
-    assert_non_null(strstr(m.note, "WebP is not read"));
+    assert_non_null(strstr(m.note, "the WebP is damaged"));
+    assert_null(m.image[0].rgba);
+    mesh_destroy(&m);
+    m = decode_of(avif, sizeof avif);
+    assert_non_null(strstr(m.note, "AVIF is not read"));
     mesh_destroy(&m);
     m = decode_of("GIF89a", 6);
-    assert_non_null(strstr(m.note, "neither PNG nor JPEG"));
+    assert_non_null(strstr(m.note, "not PNG, JPEG or WebP"));
     mesh_destroy(&m);
     static uint8_t whole[2048];
-    static const char *const seeds[] = {"a.png", "a.jpg"};
-    for (size_t i = 0; i < 2; ++i) {
+    set_picture("d.webp");
+    memcpy(whole, buffer.picture, picture_size);
+    m = decode_of(whole, picture_size);
+    assert_null(m.image[0].rgba);
+    assert_non_null(strstr(m.note, "an animated WebP"));
+    mesh_destroy(&m);
+    static const char *const seeds[] = {"a.png", "a.jpg", "a.webp", "b.webp", "c.webp"};
+    for (size_t i = 0; i < sizeof seeds / sizeof *seeds; ++i) {
         set_picture(seeds[i]);
         size_t size = picture_size;
         memcpy(whole, buffer.picture, size);
@@ -292,6 +374,8 @@ static void damaged_and_foreign_pictures_are_told(void **state)
             assert_true(m.image[0].rgba || m.note);
             mesh_destroy(&m);
         }
+        if (i > 1) /* a WebP has at most 16 383 pixels a side */
+            continue;
         /* 60 000 pixels a side: refused before there is memory for it. */
         uint8_t huge[2048];
         memcpy(huge, whole, size);
@@ -340,6 +424,9 @@ int main(void)
         cmocka_unit_test(colours_and_other_coordinates_are_read),
         cmocka_unit_test(toon_and_unlit_are_known),
         cmocka_unit_test(pictures_are_decoded_in_the_child),
+        cmocka_unit_test(a_webp_has_the_pixels_of_its_png),
+        cmocka_unit_test(a_texture_takes_the_picture_that_can_be_read),
+        cmocka_unit_test(a_data_uri_may_be_webp),
         cmocka_unit_test(a_picture_that_cannot_be_had_is_told),
         cmocka_unit_test(of_many_pictures_that_cannot_be_had_one_is_told_and_the_others_counted),
         cmocka_unit_test(damaged_and_foreign_pictures_are_told),

@@ -73,15 +73,20 @@ std::vector<unsigned char> read_file(const picture_files &from, const std::strin
     return out;
 }
 
+/* The decoder finds out the kind of picture. tinygltf refuses media types that it does not know. */
 std::vector<unsigned char> read_uri(const picture_files &from, const std::string &uri)
 {
     if (uri.rfind("data:", 0) != 0)
         return read_file(from, uri);
+    const std::string mark = ";base64,";
     std::vector<unsigned char> out;
     std::string type;
-    if (uri.size() > MESH_IMAGE_SIZE_MAX * 4 / 3 ||
-        !tinygltf::DecodeDataURI(&out, type, uri, 0, false))
-        gltf_fail(MRT_ERR_UNSUPPORTED, "its data URI is neither PNG nor JPEG");
+    size_t at = uri.substr(0, 256).find(mark);
+    if (at == std::string::npos || uri.size() > MESH_IMAGE_SIZE_MAX * 4 / 3 ||
+        !tinygltf::DecodeDataURI(
+            &out, type, "data:application/octet-stream;base64," + uri.substr(at + mark.size()), 0,
+            false))
+        gltf_fail(MRT_ERR_UNSUPPORTED, "its data URI has no picture in base64");
     return out;
 }
 
@@ -248,12 +253,12 @@ class material_reader
                                  : MESH_WRAP_REPEAT;
     }
 
-    /* Returns the PNG or JPEG of a texture if the file has one. Otherwise returns the picture of an
-     * extension, which is refused by name. */
+    /* Returns the PNG or JPEG of a texture, else its WebP. Otherwise returns the picture of an
+     * extension that is refused by name. */
     uint32_t image_of(const tinygltf::Texture &texture, const std::string &material)
     {
         int64_t source = texture.source;
-        for (const char *name : {"KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif"})
+        for (const char *name : {"EXT_texture_webp", "KHR_texture_basisu", "EXT_texture_avif"})
             if (source < 0)
                 source = gltf_whole(gltf_member(extension(texture.extensions, name), "source"), -1);
         if (source < 0 || (size_t)source >= document_.images.size()) {
@@ -269,9 +274,10 @@ class material_reader
     uint32_t add_image(size_t source)
     {
         const gltf_image &wanted = document_.images[source];
-        std::string name = !wanted.name.empty()                ? wanted.name
-                           : wanted.uri.rfind("data:", 0) == 0 ? ""
-                                                               : wanted.uri;
+        bool has_file = !wanted.uri.empty() && wanted.uri.rfind("data:", 0) != 0;
+        std::string name = !wanted.name.empty() ? wanted.name
+                           : has_file           ? wanted.uri
+                                                : "images[" + std::to_string(source) + "]";
         try {
             error failed = {""};
             uint32_t image = 0;
