@@ -145,12 +145,16 @@ static void colours_and_other_coordinates_are_read(void **state)
 {
     (void)state;
     mesh m = read_good(",'TEXCOORD_0':1,'TEXCOORD_1':2,'COLOR_0':3",
-                       "'materials':[{'pbrMetallicRoughness':{'baseColorTexture':{'index':0,"
-                       "'texCoord':1}},'normalTexture':{'index':0}}]" PICTURE);
+                       "'materials':[{'name':'skin','pbrMetallicRoughness':{'baseColorTexture':"
+                       "{'index':0,'texCoord':1}},'normalTexture':{'index':0},'emissiveTexture':"
+                       "{'index':0,'texCoord':1}}]" PICTURE);
     assert_memory_equal(m.uv, buffer.uv_more, sizeof buffer.uv_more);
     assert_true(m.colour[0] == 1.0f && m.colour[1] == 0.0f && m.colour[7] == 0.2f);
-    assert_int_equal(m.material[0].normal.image, 0); /* it uses other texture coordinates */
-    assert_non_null(strstr(m.note, "uses other texture coordinates"));
+    assert_true(m.material[0].base.image == 1 && m.material[0].emission.image == 1);
+    assert_int_equal(m.material[0].normal.image, 0);
+    assert_non_null(strstr(m.note,
+                           "material \"skin\": its normal map is not drawn: it uses texture "
+                           "coordinates 0, the other textures use 1"));
     mesh copy;
     error err;
     assert_int_equal(mesh_copy(&copy, &m, &err), MRT_OK);
@@ -158,6 +162,59 @@ static void colours_and_other_coordinates_are_read(void **state)
     assert_int_equal(mesh_validate(&copy, &err), MRT_OK);
     assert_true(copy.colour[7] == 0.2f && copy.image[0].encoded_size == picture_size);
     mesh_destroy(&copy);
+}
+
+/* Without a base texture, the first other texture chooses the coordinates. */
+static void any_texture_may_use_the_second_coordinates(void **state)
+{
+    (void)state;
+    static const char *const materials[] = {
+        "'normalTexture':{'index':0,'texCoord':1}",
+        "'pbrMetallicRoughness':{'metallicRoughnessTexture':{'index':0,'texCoord':1}}",
+        "'emissiveTexture':{'index':0,'texCoord':1}",
+        "'emissiveTexture':{'index':0,'extensions':{'KHR_texture_transform':{'texCoord':1}}}"};
+    for (size_t i = 0; i < sizeof materials / sizeof *materials; ++i) {
+        char rest[512];
+        (void)snprintf(rest, sizeof rest, "'materials':[{%s}]" PICTURE, materials[i]);
+        mesh m = read_good(",'TEXCOORD_0':1,'TEXCOORD_1':2", rest);
+        const mesh_material *look = &m.material[0];
+        assert_int_equal(look->normal.image + look->surface.image + look->emission.image, 1);
+        assert_memory_equal(m.uv, buffer.uv_more, sizeof buffer.uv_more);
+        assert_null(m.note);
+        mesh_destroy(&m);
+    }
+}
+
+static void of_many_lost_textures_some_are_named_and_the_others_counted(void **state)
+{
+    (void)state;
+    enum { MATERIALS = 12 };
+    char json[6000];
+    mesh m;
+    error err = {""};
+    int used = snprintf(json, sizeof json,
+                        "'asset':{'version':'2.0'},'buffers':[{'byteLength':2048}],'bufferViews':["
+                        "{'buffer':0,'byteLength':48}],'accessors':[{'bufferView':0,"
+                        "'componentType':5126,'count':3,'type':'VEC3'}],'textures':[{}],"
+                        "'nodes':[{'mesh':0}],'materials':[{}");
+    for (int i = 1; i < MATERIALS; ++i)
+        used += snprintf(json + used, sizeof json - (size_t)used,
+                         ",{'normalTexture':{'index':0},'emissiveTexture':{'index':0,'texCoord':1},"
+                         "'pbrMetallicRoughness':{'metallicRoughnessTexture':{'index':0,"
+                         "'texCoord':2}}}");
+    used += snprintf(json + used, sizeof json - (size_t)used, "],'meshes':[{'primitives':[");
+    for (int i = 0; i < MATERIALS; ++i)
+        used += snprintf(json + used, sizeof json - (size_t)used,
+                         "%s{'attributes':{'POSITION':0},'material':%d}", i ? "," : "", i);
+    (void)snprintf(json + used, sizeof json - (size_t)used, "]}]");
+    document d = document_glb_of(json, &buffer, sizeof buffer);
+    if (gltf_parse(&m, d.bytes, d.size, NULL, &err) < 0)
+        fail_msg("%s", err.text);
+    assert_non_null(strstr(m.note, "material \"\": its picture is missing"));
+    assert_non_null(strstr(m.note, "its emission texture is not drawn: it uses texture coordinates "
+                                   "1, the other textures use 0"));
+    assert_non_null(strstr(m.note, "\n17 more textures of its materials are not drawn"));
+    mesh_destroy(&m);
 }
 
 static void toon_and_unlit_are_known(void **state)
@@ -422,6 +479,8 @@ int main(void)
         cmocka_unit_test(a_material_keeps_what_it_says),
         cmocka_unit_test(opaque_is_opaque_and_one_sided),
         cmocka_unit_test(colours_and_other_coordinates_are_read),
+        cmocka_unit_test(any_texture_may_use_the_second_coordinates),
+        cmocka_unit_test(of_many_lost_textures_some_are_named_and_the_others_counted),
         cmocka_unit_test(toon_and_unlit_are_known),
         cmocka_unit_test(pictures_are_decoded_in_the_child),
         cmocka_unit_test(a_webp_has_the_pixels_of_its_png),
