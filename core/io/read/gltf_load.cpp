@@ -283,6 +283,7 @@ bool is_known(const std::string &extension)
                                         "KHR_lights_punctual",
                                         "EXT_texture_webp",
                                         "EXT_texture_avif",
+                                        "EXT_mesh_gpu_instancing",
                                         "EXT_meshopt_compression",
                                         "KHR_meshopt_compression",
                                         "KHR_draco_mesh_compression",

@@ -408,6 +408,19 @@ void add_notes(mesh &out, const tinygltf::Model &model, const gltf_plan &plan,
         mesh_note(&out, "the file has no nodes: its meshes are read without transforms");
     if (model.scenes.size() > 1)
         mesh_note(&out, "one of %zu scenes was read", model.scenes.size());
+    if (plan.scene.repeated_count)
+        mesh_note(&out,
+                  "the scene lists %zu nodes twice, or also nodes above them: each is read once",
+                  plan.scene.repeated_count);
+    if (plan.scene.orphan_count)
+        mesh_note(&out,
+                  "%zu nodes of the scene have a parent outside it: its transform is not applied",
+                  plan.scene.orphan_count);
+    if (plan.scene.instanced_count)
+        mesh_note(&out,
+                  "%zu nodes repeat their mesh (EXT_mesh_gpu_instancing): each is read once, its "
+                  "instances are not drawn",
+                  plan.scene.instanced_count);
     if (plan.skeleton.ignored_skin_count)
         mesh_note(&out, "%zu skins were not applied: the scene does not show their joints",
                   plan.skeleton.ignored_skin_count);
