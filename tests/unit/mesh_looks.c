@@ -185,6 +185,36 @@ static void any_texture_may_use_the_second_coordinates(void **state)
     }
 }
 
+/* Of vertex 1, in the floats of TEXCOORD_1. */
+static void a_colour_that_is_not_a_number_is_white(void **state)
+{
+    (void)state;
+    static const float colour[8] = {0.5f, 0.25f, 0, 1, 0, NAN, INFINITY, 0.5f};
+    memcpy(buffer.uv_more, colour, sizeof colour);
+    mesh m;
+    error err = {""};
+    char json[2000];
+    (void)snprintf(json, sizeof json,
+                   "'asset':{'version':'2.0'},'buffers':[{'byteLength':2048}],'bufferViews':["
+                   "{'buffer':0,'byteLength':48},{'buffer':0,'byteOffset':80,'byteLength':32,"
+                   "'byteStride':16}],'accessors':["
+                   "{'bufferView':0,'componentType':5126,'count':2,'type':'VEC3'},"
+                   "{'bufferView':1,'componentType':5126,'count':2,'type':'VEC4'},"
+                   "{'bufferView':0,'byteOffset':8,'componentType':5123,'count':3,"
+                   "'type':'SCALAR'}],"
+                   "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'COLOR_0':1},"
+                   "'indices':2}]}],'nodes':[{'mesh':0}]");
+    document d = document_glb_of(json, &buffer, sizeof buffer);
+    if (gltf_parse(&m, d.bytes, d.size, NULL, &err) < 0)
+        fail_msg("%s", err.text);
+    static const float expected[8] = {0.5f, 0.25f, 0, 1, 1, 1, 1, 1};
+    assert_memory_equal(m.colour, expected, sizeof expected);
+    assert_non_null(strstr(m.note, "the colours of 1 vertices are not numbers"));
+    mesh_destroy(&m);
+    static const float coordinates[8] = {0, 0.5f, 0.5f, 0.5f, 0.5f, 0, 0, 0};
+    memcpy(buffer.uv_more, coordinates, sizeof coordinates);
+}
+
 static void of_many_lost_textures_some_are_named_and_the_others_counted(void **state)
 {
     (void)state;
@@ -480,6 +510,7 @@ int main(void)
         cmocka_unit_test(opaque_is_opaque_and_one_sided),
         cmocka_unit_test(colours_and_other_coordinates_are_read),
         cmocka_unit_test(any_texture_may_use_the_second_coordinates),
+        cmocka_unit_test(a_colour_that_is_not_a_number_is_white),
         cmocka_unit_test(of_many_lost_textures_some_are_named_and_the_others_counted),
         cmocka_unit_test(toon_and_unlit_are_known),
         cmocka_unit_test(pictures_are_decoded_in_the_child),
