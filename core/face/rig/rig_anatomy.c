@@ -1196,6 +1196,13 @@ mrt_result rig_anatomy_find(rig_anatomy *out, const mesh *m, const topology *t, 
         extend_to_neck(out, m);
     if (result >= 0) {
         mrt_result measured = rig_head_measure(&out->head, m, out->is_face, err);
+        if (measured < 0 && out->head_piece < out->piece_count) { /* another piece is the face */
+            out->head_piece = UINT32_MAX;
+            out->piece[out->face].kind = PIECE_UNKNOWN;
+            measured = find_face(out, m, err);
+            if (measured >= 0)
+                measured = rig_head_measure(&out->head, m, out->is_face, err);
+        }
         out->has_face = measured >= 0;
         result = measured < 0 && out->head_joint == MESH_NO_JOINT ? measured : MRT_OK;
     }

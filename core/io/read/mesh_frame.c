@@ -303,7 +303,8 @@ static mrt_result find_by_shape(mesh *m, const mesh_frame *usual, mesh_axis *out
         return MRT_OK;
     }
     if (is_prescribed) {
-        *out_found = false;
+        *out_found = is_even && detail[2] < -0.03 && relief[2][1] > 1.35 * relief[2][0];
+        *out_forward = MESH_AXIS_MINUS_Z;
         return MRT_OK;
     }
     mesh_axis forward;
