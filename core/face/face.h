@@ -151,6 +151,8 @@ void face_restore(face *f, double part);
  * shape shown. */
 bool face_is_near(const face *f, const double *point, uint32_t count, double radius);
 
+/* Sets csrbf_settings.stretch_most of the current engagement. */
+void face_set_stretch_most(face *f, double factor);
 /* Whether a free control at a point of the shape shown would move skin. */
 bool face_can_grip(const face *f, vec3 at);
 /* Finds the vertex shown that is nearest to `at` of those that a control moves fully, at least

@@ -147,3 +147,9 @@ mrt_result face_engage(face *f, const csrbf_settings *settings, const face_contr
     count_dropped(f);
     return MRT_OK;
 }
+
+void face_set_stretch_most(face *f, double factor)
+{
+    f->settings.stretch_most = factor;
+    f->is_given = false;
+}

@@ -241,8 +241,9 @@ static const rig_pose *shown_pose(summed_pose *sum, const rig *r, const rig_pose
     return &sum->pose;
 }
 
-mrt_result rig_poses_show_on(face *f, const rig *r, uint32_t pose, const csrbf_settings *solver,
-                             error *err)
+/* `engages`: false if all contacts of the rig are engaged on the face already. */
+static mrt_result show_on(face *f, const rig *r, uint32_t pose, const csrbf_settings *solver,
+                          bool engages, error *err)
 {
     summed_pose sum;
     const rig_pose *wanted = shown_pose(&sum, r, &r->pose[pose]);
@@ -252,13 +253,23 @@ mrt_result rig_poses_show_on(face *f, const rig *r, uint32_t pose, const csrbf_s
     hold_all(&all, r->contact_count);
     set_pulls(&all, wanted, wanted->pull_count + wanted->follow_count);
     read_dofs(dof, face_bones(f), wanted);
-    face_reset(f);
-    mrt_result result = engage_contacts(f, solver, all.contact, all.count, &why);
+    mrt_result result = MRT_OK;
+    if (engages) {
+        face_reset(f);
+        result = engage_contacts(f, solver, all.contact, all.count, &why);
+    }
+    face_set_stretch_most(f, solver->stretch_most);
     if (result >= 0)
         result = pull(f, &all, dof, &why);
     if (result < 0)
         return error_set(err, result, "%s: pose \"%s\": %s", r->path, wanted->name, why.text);
     return MRT_OK;
+}
+
+mrt_result rig_poses_show_on(face *f, const rig *r, uint32_t pose, const csrbf_settings *solver,
+                             error *err)
+{
+    return show_on(f, r, pose, solver, true, err);
 }
 
 mrt_result rig_poses_show(rig_poses_stage *self, uint32_t pose, error *err)
@@ -816,38 +827,40 @@ static void scale_jaw(rig_pose *pose, double by)
             pose->dof_value[k] *= by;
 }
 
-/* Tests that a pose does not fold the skin, and that the limit does not hold it back. */
-static mrt_result is_eased(rig_poses_stage *stage, uint32_t pose, bool *out, error *err)
+/* Tests that a pose does not fold the skin, and that the limit does not hold it back. The contacts
+ * stay engaged from one pose to the next. */
+static mrt_result is_eased(rig_poses_stage *stage, bool *is_engaged, uint32_t pose, bool *out,
+                           error *err)
 {
     static const double least = 0.05, held_most_mm = 0.3;
-    const double portrait = stage->solver.stretch_most;
-    mrt_result result = rig_poses_show(stage, pose, err);
+    csrbf_settings limited = stage->solver;
+    limited.stretch_most = stage->rig.solver.stretch_most;
+    mrt_result result = show_on(stage->face, &stage->rig, pose, &stage->solver, !*is_engaged, err);
+    *is_engaged = result >= 0;
     *out = result >= 0 && face_min_determinant(stage->face) > least;
-    stage->solver.stretch_most = stage->rig.solver.stretch_most;
     if (*out)
-        result = rig_poses_show(stage, pose, err);
-    stage->solver.stretch_most = portrait;
+        result = show_on(stage->face, &stage->rig, pose, &limited, false, err);
     *out = *out && result >= 0 && face_metered(stage->face)->held_back_mm <= held_most_mm;
     return result;
 }
 
 /* Scales both copies of a pose until is_eased is true: its pulls, and with_jaw also the jaw's
  * motion. *out is false if that never happens; then the pose is unchanged. */
-static mrt_result ease(rig_poses_stage *stage, rig_pose *pose, uint32_t index, bool with_jaw,
-                       bool *out, error *err)
+static mrt_result ease(rig_poses_stage *stage, bool *is_engaged, rig_pose *pose, uint32_t index,
+                       bool with_jaw, bool *out, error *err)
 {
     enum { ROUNDS = 12 };
     static const double part = 0.8;
     rig_pose *const copy[] = {pose, &stage->rig.pose[index]};
     double whole = 1.0;
-    mrt_result result = is_eased(stage, index, out, err);
+    mrt_result result = is_eased(stage, is_engaged, index, out, err);
     for (int round = 0; round < ROUNDS && result >= 0 && !*out; ++round) {
         whole *= part;
         for (int i = 0; i < 2; ++i) {
             scale_pulls(copy[i], part);
             scale_jaw(copy[i], with_jaw ? part : 1.0);
         }
-        result = is_eased(stage, index, out, err);
+        result = is_eased(stage, is_engaged, index, out, err);
     }
     for (int i = 0; i < 2 && !*out; ++i) {
         scale_pulls(copy[i], 1.0 / whole);
@@ -859,14 +872,15 @@ static mrt_result ease(rig_poses_stage *stage, rig_pose *pose, uint32_t index, b
 mrt_result rig_poses_reduce(rig *r, uint32_t first, const mesh *m, const topology *t, error *err)
 {
     rig_poses_stage stage;
+    bool is_engaged = false;
     mrt_result result = rig_poses_stage_init(&stage, r, m, t, err);
     if (result < 0)
         return result;
     for (uint32_t i = first; i < r->pose_count && result >= 0; ++i) {
         bool is_done = false;
-        result = ease(&stage, &r->pose[i], i, false, &is_done, err);
+        result = ease(&stage, &is_engaged, &r->pose[i], i, false, &is_done, err);
         if (result >= 0 && !is_done)
-            result = ease(&stage, &r->pose[i], i, true, &is_done, err);
+            result = ease(&stage, &is_engaged, &r->pose[i], i, true, &is_done, err);
     }
     rig_poses_stage_finish(&stage);
     return result;
