@@ -187,6 +187,116 @@ static void one_name_for_all_says_nothing(void **state)
     }
 }
 
+/* ---- figures and plain heads, written as OBJ ---- */
+
+typedef struct obj_writer {
+    FILE *file;
+    char path[1024];
+    uint32_t vertex_count;
+} obj_writer;
+
+static obj_writer open_obj(const char *name)
+{
+    obj_writer out = {.vertex_count = 0};
+    (void)snprintf(out.path, sizeof out.path, "%s/%s.obj", BUILD_DIR, name);
+    out.file = fopen(out.path, "w");
+    assert_non_null(out.file);
+    return out;
+}
+
+static void write_ball(obj_writer *out, vec3 centre, vec3 radii)
+{
+    enum { LONG = 32, LAT = 17 };
+    const double pi = 3.14159265358979323846;
+    for (int row = 0; row < LAT; ++row)
+        for (int i = 0; i < LONG; ++i) {
+            const double a = 2.0 * pi * i / LONG, b = pi * ((row + 0.5) / LAT - 0.5);
+            fprintf(out->file, "v %.4f %.4f %.4f\n", centre.x + radii.x * cos(b) * sin(a),
+                    centre.y + radii.y * sin(b), centre.z + radii.z * cos(b) * cos(a));
+        }
+    for (uint32_t row = 0; row + 1 < LAT; ++row)
+        for (uint32_t i = 0; i < LONG; ++i) {
+            const uint32_t at = 1 + out->vertex_count + row * LONG, next = (i + 1) % LONG;
+            fprintf(out->file, "f %u %u %u %u\n", at + i, at + next, at + next + LONG,
+                    at + i + LONG);
+        }
+    out->vertex_count += LONG * LAT;
+}
+
+static void write_box(obj_writer *out, vec3 low, vec3 high)
+{
+    static const uint32_t face[6][4] = {{1, 2, 4, 3}, {5, 7, 8, 6}, {1, 5, 6, 2},
+                                        {3, 4, 8, 7}, {1, 3, 7, 5}, {2, 6, 8, 4}};
+    for (int i = 0; i < 8; ++i)
+        fprintf(out->file, "v %g %g %g\n", i & 4 ? high.x : low.x, i & 2 ? high.y : low.y,
+                i & 1 ? high.z : low.z);
+    for (int i = 0; i < 6; ++i)
+        fprintf(out->file, "f %u %u %u %u\n", out->vertex_count + face[i][0],
+                out->vertex_count + face[i][1], out->vertex_count + face[i][2],
+                out->vertex_count + face[i][3]);
+    out->vertex_count += 8;
+}
+
+static drafted draft_obj(obj_writer *of)
+{
+    assert_int_equal(fclose(of->file), 0);
+    drafted out = draft(of->path);
+    (void)remove(of->path);
+    return out;
+}
+
+/* A body that is larger than the head, without a nose or a mouth on either. */
+static void the_face_of_a_toy_is_on_its_head(void **state)
+{
+    (void)state;
+    obj_writer of = open_obj("toy");
+    write_ball(&of, (vec3){0, 120, 0}, (vec3){120, 120, 120});
+    write_ball(&of, (vec3){0, 310, 20}, (vec3){90, 90, 90});
+    write_ball(&of, (vec3){50, 430, 20}, (vec3){12, 70, 30});
+    write_ball(&of, (vec3){-50, 430, 20}, (vec3){12, 70, 30});
+    drafted d = draft_obj(&of);
+    assert_int_not_equal(rig_find_bone(&d.rig, "body"), RIG_NONE);
+    assert_int_not_equal(rig_find_bone(&d.rig, "jaw"), RIG_NONE);
+    assert_true(contact_position(&d, "nose.tip").y > 260.0);
+    assert_true(contact_position(&d, "nose.tip").z > 90.0);
+    assert_non_null(strstr(d.confirm, "shows no nose and no mouth (unsure)"));
+    finish(&d);
+}
+
+static void a_brim_is_no_face(void **state)
+{
+    (void)state;
+    obj_writer of = open_obj("brim");
+    write_box(&of, (vec3){-150, 0, -90}, (vec3){150, 300, 90});     /* body */
+    write_box(&of, (vec3){-100, 310, -100}, (vec3){100, 520, 100}); /* head */
+    write_box(&of, (vec3){-190, 500, -190}, (vec3){190, 600, 190}); /* hat */
+    drafted d = draft_obj(&of);
+    for (uint32_t i = 0; i < d.rig.contact_count; ++i) {
+        const float y = d.file.mesh.position[(size_t)d.rig.contact[i].vertex * 3 + 1];
+        assert_true(y > 305.0f && y < 525.0f);
+    }
+    finish(&d);
+}
+
+/* Every mesh with a surface becomes a rig that loads, as clay if it must. */
+static void plain_heads_and_boxes_are_drafted(void **state)
+{
+    (void)state;
+    obj_writer of = open_obj("ball");
+    write_ball(&of, (vec3){0, 100, 0}, (vec3){100, 100, 100});
+    drafted d = draft_obj(&of);
+    assert_non_null(strstr(d.confirm, "(unsure)"));
+    finish(&d);
+    of = open_obj("box");
+    write_box(&of, (vec3){-90, 0, -80}, (vec3){90, 220, 80});
+    d = draft_obj(&of);
+    finish(&d);
+    of = open_obj("card");
+    write_box(&of, (vec3){-3, 0, -100}, (vec3){3, 220, 100});
+    d = draft_obj(&of);
+    finish(&d);
+}
+
 /* A hat without a name, seen from the front as large as the face. */
 static void a_hat_is_no_face(void **state)
 {
@@ -750,6 +860,9 @@ int main(void)
         cmocka_unit_test(spectacles_are_no_eyes),
         cmocka_unit_test(one_name_for_all_says_nothing),
         cmocka_unit_test(a_hat_is_no_face),
+        cmocka_unit_test(the_face_of_a_toy_is_on_its_head),
+        cmocka_unit_test(a_brim_is_no_face),
+        cmocka_unit_test(plain_heads_and_boxes_are_drafted),
         cmocka_unit_test(a_bust_has_its_face_on_its_head),
         cmocka_unit_test(a_strong_neck_leaves_the_chin_to_the_head),
         cmocka_unit_test(a_fold_below_the_lips_is_no_mouth),
