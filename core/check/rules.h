@@ -182,7 +182,7 @@ enum {
          "write() passes a sample on; a failure of the network is not an error.")                  \
     RULE(OUTPUT_WAIT, "output.wait", CONCERNS_OUTPUT, "write() never waits.")                      \
     RULE(OUTPUT_REOPEN, "output.reopen", CONCERNS_OUTPUT,                                          \
-         "close() releases everything of open(), and it can be opened again.")                     \
+         "close() releases everything of open(), and a later open() succeeds.")                    \
     RULE(FACE_OUTPUT_ABSENT, "face_output.absent", CONCERNS_FACE_OUTPUT,                           \
          "open() of an invalid address returns an error and explains it in words.")                \
     RULE(FACE_OUTPUT_FACES, "face_output.faces", CONCERNS_FACE_OUTPUT,                             \
@@ -192,7 +192,7 @@ enum {
     RULE(FACE_OUTPUT_TIME, "face_output.time", CONCERNS_FACE_OUTPUT,                               \
          "send() may take some milliseconds: faces that arrive meanwhile are skipped.")            \
     RULE(FACE_OUTPUT_REOPEN, "face_output.reopen", CONCERNS_FACE_OUTPUT,                           \
-         "close() releases everything of open(), and it can be opened again.")
+         "close() releases everything of open(), and a later open() succeeds.")
 
 typedef enum check_rule {
 #define CHECK_RULE_NAME(name, id, concerns, says) RULE_##name,

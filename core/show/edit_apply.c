@@ -36,7 +36,8 @@ static mrt_result check_clip(const take_layer *layer, const take_clip *clip, err
         return bad_clip(layer, clip, "expected a performance and a span of its recording", err);
     if (!clip->warp || !edit_is_warp(clip->warp, clip->warp_count, EDIT_CLIP_MAX_NS))
         return bad_clip(layer, clip,
-                        "expected a curve that ascends, from 1/1000 to 1000 times as fast", err);
+                        "expected a curve that ascends, at 1/1000 to 1000 times the recorded speed",
+                        err);
     if (take_warp_to_source(clip, clip->start_ns) < 0 ||
         take_warp_to_source(clip, clip->end_ns) > clip->to_ns - clip->from_ns)
         return bad_clip(layer, clip, "it shows more than was recorded; trim it", err);

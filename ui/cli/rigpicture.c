@@ -533,7 +533,7 @@ static mrt_result draw_portrait(offscreen *e, const rigportraits_grid *g, rig_po
     const uint32_t x = g->left + pose % g->columns * g->panel_width;
     const uint32_t y = g->top + pose / g->columns * (g->panel_height + g->caption);
     if (x + g->panel_width > g->width || y + g->panel_height > g->height)
-        return MRT_OK; /* the picture is too small for a header */
+        return MRT_OK; /* the picture is too small for this pose */
     const char *name = stage->rig.pose[pose].name;
     const float panel = (float)g->panel_width, size = fmaxf(name_size * panel, least_px);
     const float room = (1.0f - 2.0f * name_margin) * panel;

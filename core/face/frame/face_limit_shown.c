@@ -328,8 +328,8 @@ static void mark_pushed(face *f, const uint64_t *pushed)
             l->is_marked[l->group_of[i].group] |= (l->group_of[i].corners & pushed[block]) != 0;
 }
 
-/* Sets limit.harmed to the pushed groups that are folded or bent too far. Returns true if there are
- * any. */
+/* Sets limit.harmed to the groups that skull or teeth push, and that are folded or bent too far.
+ * Returns true if there are any. */
 static bool slid_skin_is_harmed(face *f)
 {
     face_limit *l = &f->limit;

@@ -159,6 +159,9 @@ static mrt_result find_head_joint(rig_anatomy *a, const mesh *m, error *err)
         for (uint32_t j = a->head_joint; j < m->joint_count; ++j)
             if (is_below[j] && is_joint_of(&m->joint[j], "jaw", "jaw"))
                 a->jaw_joint = a->jaw_joint == MESH_NO_JOINT ? j : a->jaw_joint;
+        for (uint32_t j = 0; j < m->joint_count; ++j) /* some skeletons have it beside the head */
+            if (a->jaw_joint == MESH_NO_JOINT && is_joint_of(&m->joint[j], "jaw", "jaw"))
+                a->jaw_joint = j;
         const float *rest = m->joint[a->head_joint].rest;
         a->neck = (vec3){(double)rest[3], (double)rest[7], (double)rest[11]};
         a->source = BY_SKELETON;
@@ -1172,6 +1175,58 @@ static bool is_a_face(const rig_anatomy *a)
            head->nose_mm > 0.02 * (head->top_y - head->chin.y);
 }
 
+/* ---- the mouth, where a shape of the file opens it ---- */
+
+/* Returns the shape that opens the mouth; target_count if there is none. */
+static uint32_t find_open_mouth(const mesh *m)
+{
+    for (uint32_t i = 0; i < m->target_count; ++i)
+        if (anatomy_has_word(m->target[i].name, WORDS("jawopen", "jaw_open")))
+            return i;
+    for (uint32_t i = 0; i < m->expression_count; ++i)
+        if (strcmp(m->expression[i].name, "aa") == 0)
+            return m->expression[i].target;
+    for (uint32_t i = 0; i < m->target_count; ++i)
+        if (anatomy_has_word(m->target[i].name,
+                             WORDS("mouthopen", "mouth_open", "viseme_aa", "mth_a")))
+            return i;
+    return m->target_count;
+}
+
+/* The lower lip is the highest skin in the middle that the shape moves much. The profile may have
+ * taken another groove for the mouth. */
+static void correct_mouth(rig_anatomy *a, const mesh *m)
+{
+    rig_head *head = &a->head;
+    const uint32_t index = find_open_mouth(m);
+    const double reach = head->nose.y - head->chin.y;
+    double most_mm = 0.0, lip_y = -(double)INFINITY;
+    if (index >= m->target_count)
+        return;
+    for (int pass = 0; pass < 2; ++pass)
+        for (uint32_t v = 0; v < m->vertex_count; ++v) {
+            const float *o = m->target[index].offset + (size_t)v * 3;
+            const vec3 p = mesh_position(m, v);
+            const double mm = vec3_length((vec3){(double)o[0], (double)o[1], (double)o[2]});
+            if (!a->is_face[v] || p.z < head->nose.z - reach ||
+                fabs(p.x - head->middle_x) > 0.15 * head->half_width)
+                continue;
+            if (pass == 0)
+                most_mm = fmax(most_mm, mm);
+            else if (mm > 0.4 * most_mm)
+                lip_y = fmax(lip_y, p.y);
+        }
+    const double by_mm = lip_y - head->mouth_y;
+    if (!(most_mm > 0.02 * reach) || !(fabs(by_mm) > 0.08 * reach) || lip_y > head->nose.y)
+        return;
+    head->mouth_y += by_mm;
+    head->lip_upper_y += by_mm;
+    head->lip_lower_y += by_mm;
+    for (int i = 0; i < RIG_GROOVE; ++i)
+        head->groove_y[i] += by_mm;
+    a->is_mouth_of_shape = true;
+}
+
 /* ---- the whole anatomy ---- */
 
 mrt_result rig_anatomy_find(rig_anatomy *out, const mesh *m, const topology *t, error *err)
@@ -1207,6 +1262,7 @@ mrt_result rig_anatomy_find(rig_anatomy *out, const mesh *m, const topology *t, 
         result = measured < 0 && out->head_joint == MESH_NO_JOINT ? measured : MRT_OK;
     }
     if (result >= 0 && out->has_face) {
+        correct_mouth(out, m);
         find_eyes(out, m);
         find_teeth(out, m);
         find_ears(out, m);

@@ -53,9 +53,10 @@ typedef struct rig_anatomy {
     vec3 neck;     /* centre of the head's rotation on a body, mm */
     bool has_face; /* `head` was measured; false for a head without a profile */
     rig_head head;
-    bool has_parted_lips; /* the surface connects the lips only around the corners */
-    bool has_slit;        /* parted lips or an open mouth */
-    double lips_mm;       /* distance from lip to lip along the surface */
+    bool is_mouth_of_shape; /* its place is from a shape of the file, not from the profile */
+    bool has_parted_lips;   /* the surface connects the lips only around the corners */
+    bool has_slit;          /* parted lips or an open mouth */
+    double lips_mm;         /* distance from lip to lip along the surface */
     bool has_ears;
     vec3 ear;            /* hole of the left ear, mm */
     anatomy_eye eye[2];  /* left, right */

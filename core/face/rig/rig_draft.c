@@ -852,9 +852,11 @@ static void note_assumptions(drafting *d)
              "face: the tip of the nose is at y = %.1f mm, the mouth at %.1f mm, the end of the "
              "chin at %.1f mm, %s. All places below are derived from these",
              head->nose.y, head->mouth_y, head->chin.y,
-             head->is_plain ? "by the proportions of heads, since the shape shows no nose and no "
-                              "mouth (unsure)"
-                            : "by its shape (likely)");
+             d->a.is_mouth_of_shape
+                 ? "by its shape, and the mouth by the file's shape that opens it (certain)"
+             : head->is_plain ? "by the proportions of heads, since the shape shows no nose and no "
+                                "mouth (unsure)"
+                              : "by its shape (likely)");
 }
 
 static mrt_result draft_once(rig *out, drafting *d, const char *mesh_path, error *err)

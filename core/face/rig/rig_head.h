@@ -24,8 +24,9 @@ typedef struct rig_head { /* mm */
     bool is_plain; /* its shape shows no nose and no mouth: they are placed by proportions */
 } rig_head;
 
-/* is_face: vertex_count: 0 for vertices to ignore, such as hair and bodies; NULL: all belong to the
- * head. Unsupported if there is no profile to read. */
+/* Measures the head. is_face has vertex_count values: 0 for vertices to ignore, such as those of
+ * hair and bodies. NULL: all belong to the head. Returns MRT_ERR_UNSUPPORTED if the middle plane
+ * cuts no profile of a face. */
 CHECKED mrt_result rig_head_measure(rig_head *out, const mesh *m, const uint8_t *is_face,
                                     error *err);
 

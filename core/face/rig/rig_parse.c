@@ -15,7 +15,8 @@
 typedef struct selecting {
     double mm_per_unit; /* unit of the file with the selector */
     char **note;
-    uint32_t depth, node_count;   /* sums over all selectors so far, both limited */
+    uint32_t depth;               /* nesting of the current selector; limited */
+    uint32_t node_count;          /* of all selectors so far; limited */
     const rig_document *document; /* source of the paints; NULL: only their names are read */
     budget *budget;
 } selecting;

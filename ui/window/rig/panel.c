@@ -349,8 +349,9 @@ static void draw_buttons(panel *self, ui *on, const rig *r)
     if (ui_button(on, "Down", UI_PLAIN))
         move(self, index, index + 1);
     ui_disabled_end(on);
-    ui_hint(on, "Move the region in the list. For a shared vertex the lower region wins, and a "
-                "rigid region always wins.");
+    ui_hint(on,
+            "Move the region in the list. Where two regions have the same vertex, the later one "
+            "in the list wins, and a rigid one always.");
     ui_same_line(on);
     if (ui_button(on, "Remove", UI_PLAIN))
         remove_region(self, index);
