@@ -254,7 +254,8 @@ static void malformed_files_are_refused(void **state)
         {TEXT VERTEX "element face 1\nproperty list uchar float vertex_indices\nend_header\n"
                      "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
          "must be whole numbers"},
-        {TEXT FACE VERTEX "end_header\n3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n", "but 0 are defined so far"}};
+        {TEXT FACE VERTEX "end_header\n3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n",
+         "but 0 are defined so far"}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i)
         assert_refused(bad[i].text, strlen(bad[i].text), bad[i].reason);
 }
