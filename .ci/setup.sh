@@ -8,7 +8,7 @@ setup_quiet_s=10 # after so long without a step, the line names what is being wo
 setup_required_packages=(
     build-essential cmake ninja-build pkg-config
     libopenmesh-dev libtinygltf-dev nlohmann-json3-dev libjansson-dev libsuitesparse-dev libpng-dev
-    libdraco-dev libmeshoptimizer-dev libjpeg-dev
+    libdraco-dev libmeshoptimizer-dev libjpeg-dev libwebp-dev
     libepoxy-dev libegl-dev libfreetype-dev
     libusb-1.0-0-dev liblo-dev libsqlite3-dev zlib1g-dev nettle-dev libsndfile1-dev libsamplerate0-dev portaudio19-dev
     libglfw3-dev libimgui-dev

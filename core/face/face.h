@@ -151,6 +151,13 @@ void face_restore(face *f, double part);
  * shape shown. */
 bool face_is_near(const face *f, const double *point, uint32_t count, double radius);
 
+/* Whether a free control at a point of the shape shown would move skin. */
+bool face_can_grip(const face *f, vec3 at);
+/* Finds the vertex shown that is nearest to `at` of those that a control moves fully, at least
+ * apart_mm away from each of the points taken. Returns false if there is none. */
+bool face_movable_near(const face *f, vec3 at, const vec3 *taken, uint32_t count, double apart_mm,
+                       vec3 *out);
+
 /* ---- stored state ---- */
 
 /* Stores all state that later frames depend on. Writes at most `capacity` bytes; bytes may be

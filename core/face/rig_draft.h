@@ -6,11 +6,11 @@
 #include "mesh/mesh.h"
 #include "mesh/topology.h"
 
-/* Finds the edges between lips that are one surface, for mesh_cut_mouth: a chain of vertices. The
- * caller frees it. NULL if there is already a slit. Unsupported if no face or no such chain is
- * found. */
-CHECKED mrt_result rig_draft_mouth(uint32_t **out_chain, uint32_t *out_count, const mesh *m,
-                                   const topology *t, error *err);
+/* Finds the edges between lips that are one surface, for mesh_cut_mouth: a chain of vertices, to be
+ * freed; NULL where there is a slit already. *out_is_clear (may be NULL): the lips show a groove,
+ * and the edges follow it closely. Unsupported where no face or no such chain is found. */
+CHECKED mrt_result rig_draft_mouth(uint32_t **out_chain, uint32_t *out_count, bool *out_is_clear,
+                                   const mesh *m, const topology *t, error *err);
 
 /* mesh_path: usable for opening. cut_mouth: the chain that is already cut in the mesh, or NULL.
  * out_confirm: lines that end in \n, each a guess to confirm with its certainty; the caller frees

@@ -43,7 +43,7 @@ number() { fact "$1" "$scratch/facts.txt"; }
 
 row='%-13s %-11s %-21s %7s %6s %7s %7s %7s %8s %8s %7s %5s %6s\n'
 printf "$row" head mapping hand motion folds least inside held parted bent overlap bend s
-for file in "$heads"/*.{glb,gltf,obj,vrm} "$shared/data/faces/ict_face.glb"; do
+for file in "$heads"/*.{glb,gltf,obj,vrm} "$shared/data/heads2"/*.{glb,obj,vrm,ply,stl} "$shared/data/faces/ict_face.glb"; do
     [ -f "$file" ] || continue
     name=$(basename "$file")
     head=${name%.*} rig=$scratch/${name%.*}.rig.json

@@ -5,7 +5,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* A PNG or JPEG, made smaller until its sides fit the first byte. */
+/* A PNG, JPEG or WebP, made smaller until its sides fit the first byte. */
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     void *out;

@@ -69,6 +69,35 @@ static void a_layer_moves_only_what_it_owns(void **state)
     fixture_tear_down(&some);
 }
 
+/* Hands at the back of a head, or on a hat, must not perform without any effect. */
+static void points_on_rigid_skin_grip_the_nearest_skin_that_moves(void **state)
+{
+    (void)state;
+    const mrt_vec3 back = {0.0f, 60.0f, -98.0f};
+    fixture alone, beside, without;
+    fixture_set_up(&alone, "puppet");
+    fixture_set_up(&beside, "puppet");
+    fixture_set_up(&without, "puppet");
+    const uint64_t rest = fixture_shown(&alone);
+    fixture_hold_point(fixture_add_part(&alone, 0, 0), back, 3.0f);
+    fixture_move(&alone);
+    assert_true(fixture_shown(&alone) != rest);
+    /* A point beside others that touch such skin has no effect. */
+    const mrt_vec3 nose = composer_about(beside.composer)
+                              ->contacts[fixture_contact_named(&beside, "nose.tip") - 1]
+                              .rest;
+    mrt_pull *both = fixture_add_part(&beside, 0, 0), *one = fixture_add_part(&without, 0, 0);
+    fixture_hold_point(both, nose, 2.0f);
+    fixture_hold_point(both, back, 3.0f);
+    fixture_hold_point(one, nose, 2.0f);
+    fixture_move(&beside);
+    fixture_move(&without);
+    assert_true(fixture_shown(&beside) == fixture_shown(&without));
+    fixture_tear_down(&alone);
+    fixture_tear_down(&beside);
+    fixture_tear_down(&without);
+}
+
 /* ---- over each other ---- */
 
 static void a_later_layer_replaces_an_additive_one_adds(void **state)
@@ -293,6 +322,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(layers_that_own_different_contacts_give_what_one_pull_gives),
         cmocka_unit_test(a_layer_moves_only_what_it_owns),
+        cmocka_unit_test(points_on_rigid_skin_grip_the_nearest_skin_that_moves),
         cmocka_unit_test(a_later_layer_replaces_an_additive_one_adds),
         cmocka_unit_test(weights_blend_linearly_and_gains_multiply),
         cmocka_unit_test(parts_of_one_layer_share_it),

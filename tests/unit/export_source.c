@@ -474,12 +474,15 @@ static void pictures_come_from_the_folder_alone_and_once(void **state)
     gltf_report with, without;
     char copy[160], other[] = "/tmp/marotte_export_picture_XXXXXX", link[160], command[512];
     assert_non_null(mkdtemp(other));
-    snprintf(command, sizeof command, "cp %s %s/secret.png && ln -s %s/secret.png %s/link.png",
-             picture, other, other, folder);
+    snprintf(command, sizeof command,
+             "cp %s %s/secret.png && ln -s %s/secret.png %s/link.png && printf "
+             "'RIFF\\4\\0\\0\\0WEBPVP8 ' >%s/paint.webp",
+             picture, other, other, folder, folder);
     assert_int_equal(system(command), 0);
     json_t *root = json_load_file(source, 0, NULL);
     set_at(root, "/images/-", "{\"uri\":\"link.png\"}");
     set_at(root, "/images/-", "{\"uri\":\"paint.png\"}");
+    set_at(root, "/images/-", "{\"uri\":\"paint.webp\"}");
     snprintf(copy, sizeof copy, "%s/links.gltf", folder);
     assert_int_equal(json_dump_file(root, copy, 0), 0);
     json_decref(root);
@@ -491,6 +494,8 @@ static void pictures_come_from_the_folder_alone_and_once(void **state)
     assert_string_equal(json_string_value(json_object_get(json_array_get(images, 1), "uri")),
                         "link.png");
     assert_true(json_equal(first, again));
+    assert_string_equal(json_string_value(json_object_get(json_array_get(images, 3), "mimeType")),
+                        "image/webp");
     json_decref(after);
     mesh_destroy(&m);
     snprintf(link, sizeof link, "%s/link.png", folder);

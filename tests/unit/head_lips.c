@@ -280,7 +280,8 @@ static void cut(actor *out, const char *path)
     error err = {""};
     *out = (actor){.face = NULL};
     must(face_file_read(&out->file, path, NULL, FACE_FILE_ANY, &err), path, &err);
-    must(rig_draft_mouth(&chain, &count, &out->file.mesh, &out->file.topology, &err), path, &err);
+    must(rig_draft_mouth(&chain, &count, NULL, &out->file.mesh, &out->file.topology, &err), path,
+         &err);
     assert_non_null(chain);
     must(face_file_cut_mouth(&out->file, chain, count, &err), path, &err);
     must(rig_draft_make(&out->rig, &out->confirm, &out->file.mesh, &out->file.topology, path, chain,

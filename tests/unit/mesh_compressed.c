@@ -164,11 +164,10 @@ static meshopt_square make_meshopt(void)
     "'extensions':{'EXT_meshopt_compression':{'buffer':0,'byteOffset':%zu,'byteLength':%zu," rest  \
     "}}}"
 
-static document meshopt_document(const meshopt_square *s, const char *filter)
+static void meshopt_json(char json[4096], const meshopt_square *s, const char *filter)
 {
-    char json[4096];
     (void)snprintf(
-        json, sizeof json,
+        json, 4096,
         "'asset':{'version':'2.0'},'extensionsUsed':['KHR_mesh_quantization'],"
         "'extensionsRequired':['EXT_meshopt_compression'],"
         "'buffers':[{'byteLength':%zu},{'byteLength':76,'extensions':{'EXT_meshopt_compression':"
@@ -254,6 +253,12 @@ static document meshopt_document(const meshopt_square *s, const char *filter)
                                                                                             "0}]",
         s->end, s->offset[0], s->size[0], s->offset[1], s->size[1], filter, s->offset[2],
         s->size[2]);
+}
+
+static document meshopt_document(const meshopt_square *s, const char *filter)
+{
+    char json[4096];
+    meshopt_json(json, s, filter);
     return document_glb_of(json, s->bytes, s->end);
 }
 
@@ -271,6 +276,51 @@ static void meshopt_views_are_decoded(void **state)
     for (size_t v = 0; v < 4; ++v)
         assert_true(m.normal[v * 3 + 2] > 0.999f);
     mesh_destroy(&m);
+}
+
+/* A buffer without bytes needs none if all its views are compressed in another one. */
+static void a_fallback_buffer_without_a_uri_is_not_needed(void **state)
+{
+    (void)state;
+    static const char mark[] =
+        ",'extensions':{'EXT_meshopt_compression':{'fallback':true}}}],'bufferViews':[";
+    static const struct {
+        const char *instead, *reason; /* NULL: the file is read */
+    } cases[] = {
+        {mark, NULL},
+        {",'extensions':{'EXT_meshopt_compression':{}}}],'bufferViews':[", NULL},
+        {",'extensions':{'KHR_meshopt_compression':{'fallback':true}}}],'bufferViews':[", NULL},
+        {"}],'bufferViews':[", NULL},
+        {",'extensions':{}}],'bufferViews':[", NULL},
+        {",'extensions':7}],'bufferViews':[", NULL},
+        {"},{'byteLength':8}],'bufferViews':[", "buffers[2] has no uri"}};
+    meshopt_square s = make_meshopt();
+    char json[4096], changed[4096];
+    meshopt_json(json, &s, "OCTAHEDRAL");
+    const char *at = strstr(json, mark);
+    assert_non_null(at);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        (void)snprintf(changed, sizeof changed, "%.*s%s%s", (int)(at - json), json,
+                       cases[i].instead, at + strlen(mark));
+        document d = document_glb_of(changed, s.bytes, s.end);
+        mesh m;
+        error err = {""};
+        bool is_read = gltf_parse(&m, d.bytes, d.size, NULL, &err) >= 0;
+        if (is_read != !cases[i].reason || (!is_read && !strstr(err.text, cases[i].reason)))
+            fail_msg("%s: %s", cases[i].instead, err.text);
+        if (is_read)
+            assert_memory_equal(m.position, DOCUMENT_BUFFER.position,
+                                sizeof DOCUMENT_BUFFER.position);
+        mesh_destroy(&m);
+    }
+    /* A view without the extension needs the bytes. */
+    (void)snprintf(changed, sizeof changed, "%.*s}],'bufferViews':[{'buffer':1,'byteLength':8},%s",
+                   (int)(at - json), json, at + strlen(mark));
+    document d = document_glb_of(changed, s.bytes, s.end);
+    mesh m;
+    error err = {""};
+    assert_true(gltf_parse(&m, d.bytes, d.size, NULL, &err) < 0);
+    assert_non_null(strstr(err.text, "buffers[1] has no uri"));
 }
 
 static void damaged_meshopt_is_refused_or_harmless(void **state)
@@ -338,6 +388,7 @@ int main(void)
         cmocka_unit_test(damaged_draco_is_refused_or_harmless),
         cmocka_unit_test(lies_about_draco_are_refused_by_name),
         cmocka_unit_test(meshopt_views_are_decoded),
+        cmocka_unit_test(a_fallback_buffer_without_a_uri_is_not_needed),
         cmocka_unit_test(damaged_meshopt_is_refused_or_harmless),
         cmocka_unit_test(a_job_that_ends_the_child_fails_alone),
     };

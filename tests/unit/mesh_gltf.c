@@ -291,6 +291,53 @@ static void a_file_without_nodes_shows_its_meshes(void **state)
     mesh_destroy(&m);
 }
 
+/* Each node moves by 1, 10 or 100 in x, so that a position gives the path to its node. */
+static void nodes_that_the_scene_names_beside_their_parents_are_read_once(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *nodes;
+        uint32_t part_count;
+        float x;
+        const char *note;
+    } cases[] = {
+        {"0", 1, 111, NULL},
+        {"0,1,2", 1, 111, "the scene lists 2 nodes twice, or also nodes above them"},
+        {"2,1,0", 1, 111, "the scene lists 2 nodes twice"},
+        {"2,0", 1, 111, "the scene lists 1 nodes twice"},
+        {"0,0", 1, 111, "the scene lists 1 nodes twice"},
+        {"1", 1, 110, "1 nodes of the scene have a parent outside it: its transform is not"},
+        {"2,1", 1, 110, "1 nodes of the scene have a parent outside it"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char json[1024];
+        (void)snprintf(json, sizeof json,
+                       FACE_MESH ",'nodes':[{'children':[1],'translation':[1,0,0]},"
+                                 "{'children':[2],'translation':[10,0,0]},"
+                                 "{'mesh':0,'translation':[100,0,0]}],'scenes':[{'nodes':[%s]}]",
+                       cases[i].nodes);
+        mesh m = read_good(json);
+        assert_int_equal(m.part_count, cases[i].part_count);
+        assert_true(m.position[0] == cases[i].x);
+        if (cases[i].note ? !m.note || !strstr(m.note, cases[i].note) : m.note != NULL)
+            fail_msg("%s: \"%s\"", cases[i].nodes, m.note);
+        mesh_destroy(&m);
+    }
+}
+
+static void of_instances_the_mesh_is_read_once_and_noted(void **state)
+{
+    (void)state;
+    mesh m = read_good(FACE_MESH ",'nodes':[{'mesh':0,'extensions':{'EXT_mesh_gpu_instancing':"
+                                 "{'attributes':{'TRANSLATION':0}}}},"
+                                 "{'extensions':{'EXT_mesh_gpu_instancing':7}}],"
+                                 "'extensionsRequired':['EXT_mesh_gpu_instancing']");
+    assert_int_equal(m.part_count, 1);
+    assert_memory_equal(m.position, DOCUMENT_BUFFER.position, sizeof DOCUMENT_BUFFER.position);
+    assert_non_null(strstr(m.note, "1 nodes repeat their mesh (EXT_mesh_gpu_instancing): each is "
+                                   "read once, its instances are not drawn"));
+    mesh_destroy(&m);
+}
+
 /* Every component type, as it is and normalised. */
 static void custom_attributes_of_any_type_are_read(void **state)
 {
@@ -378,6 +425,8 @@ int main(void)
         cmocka_unit_test(strips_and_fans_become_triangles),
         cmocka_unit_test(what_is_not_applied_is_noted),
         cmocka_unit_test(a_file_without_nodes_shows_its_meshes),
+        cmocka_unit_test(nodes_that_the_scene_names_beside_their_parents_are_read_once),
+        cmocka_unit_test(of_instances_the_mesh_is_read_once_and_noted),
         cmocka_unit_test(custom_attributes_of_any_type_are_read),
         cmocka_unit_test(the_real_face_is_read),
     };

@@ -145,12 +145,16 @@ static void colours_and_other_coordinates_are_read(void **state)
 {
     (void)state;
     mesh m = read_good(",'TEXCOORD_0':1,'TEXCOORD_1':2,'COLOR_0':3",
-                       "'materials':[{'pbrMetallicRoughness':{'baseColorTexture':{'index':0,"
-                       "'texCoord':1}},'normalTexture':{'index':0}}]" PICTURE);
+                       "'materials':[{'name':'skin','pbrMetallicRoughness':{'baseColorTexture':"
+                       "{'index':0,'texCoord':1}},'normalTexture':{'index':0},'emissiveTexture':"
+                       "{'index':0,'texCoord':1}}]" PICTURE);
     assert_memory_equal(m.uv, buffer.uv_more, sizeof buffer.uv_more);
     assert_true(m.colour[0] == 1.0f && m.colour[1] == 0.0f && m.colour[7] == 0.2f);
-    assert_int_equal(m.material[0].normal.image, 0); /* it uses other texture coordinates */
-    assert_non_null(strstr(m.note, "uses other texture coordinates"));
+    assert_true(m.material[0].base.image == 1 && m.material[0].emission.image == 1);
+    assert_int_equal(m.material[0].normal.image, 0);
+    assert_non_null(strstr(m.note,
+                           "material \"skin\": its normal map is not drawn: it uses texture "
+                           "coordinates 0, the other textures use 1"));
     mesh copy;
     error err;
     assert_int_equal(mesh_copy(&copy, &m, &err), MRT_OK);
@@ -158,6 +162,89 @@ static void colours_and_other_coordinates_are_read(void **state)
     assert_int_equal(mesh_validate(&copy, &err), MRT_OK);
     assert_true(copy.colour[7] == 0.2f && copy.image[0].encoded_size == picture_size);
     mesh_destroy(&copy);
+}
+
+/* Without a base texture, the first other texture chooses the coordinates. */
+static void any_texture_may_use_the_second_coordinates(void **state)
+{
+    (void)state;
+    static const char *const materials[] = {
+        "'normalTexture':{'index':0,'texCoord':1}",
+        "'pbrMetallicRoughness':{'metallicRoughnessTexture':{'index':0,'texCoord':1}}",
+        "'emissiveTexture':{'index':0,'texCoord':1}",
+        "'emissiveTexture':{'index':0,'extensions':{'KHR_texture_transform':{'texCoord':1}}}"};
+    for (size_t i = 0; i < sizeof materials / sizeof *materials; ++i) {
+        char rest[512];
+        (void)snprintf(rest, sizeof rest, "'materials':[{%s}]" PICTURE, materials[i]);
+        mesh m = read_good(",'TEXCOORD_0':1,'TEXCOORD_1':2", rest);
+        const mesh_material *look = &m.material[0];
+        assert_int_equal(look->normal.image + look->surface.image + look->emission.image, 1);
+        assert_memory_equal(m.uv, buffer.uv_more, sizeof buffer.uv_more);
+        assert_null(m.note);
+        mesh_destroy(&m);
+    }
+}
+
+/* Of vertex 1, in the floats of TEXCOORD_1. */
+static void a_colour_that_is_not_a_number_is_white(void **state)
+{
+    (void)state;
+    static const float colour[8] = {0.5f, 0.25f, 0, 1, 0, NAN, INFINITY, 0.5f};
+    memcpy(buffer.uv_more, colour, sizeof colour);
+    mesh m;
+    error err = {""};
+    char json[2000];
+    (void)snprintf(json, sizeof json,
+                   "'asset':{'version':'2.0'},'buffers':[{'byteLength':2048}],'bufferViews':["
+                   "{'buffer':0,'byteLength':48},{'buffer':0,'byteOffset':80,'byteLength':32,"
+                   "'byteStride':16}],'accessors':["
+                   "{'bufferView':0,'componentType':5126,'count':2,'type':'VEC3'},"
+                   "{'bufferView':1,'componentType':5126,'count':2,'type':'VEC4'},"
+                   "{'bufferView':0,'byteOffset':8,'componentType':5123,'count':3,"
+                   "'type':'SCALAR'}],"
+                   "'meshes':[{'primitives':[{'attributes':{'POSITION':0,'COLOR_0':1},"
+                   "'indices':2}]}],'nodes':[{'mesh':0}]");
+    document d = document_glb_of(json, &buffer, sizeof buffer);
+    if (gltf_parse(&m, d.bytes, d.size, NULL, &err) < 0)
+        fail_msg("%s", err.text);
+    static const float expected[8] = {0.5f, 0.25f, 0, 1, 1, 1, 1, 1};
+    assert_memory_equal(m.colour, expected, sizeof expected);
+    assert_non_null(strstr(m.note, "the colours of 1 vertices are not numbers"));
+    mesh_destroy(&m);
+    static const float coordinates[8] = {0, 0.5f, 0.5f, 0.5f, 0.5f, 0, 0, 0};
+    memcpy(buffer.uv_more, coordinates, sizeof coordinates);
+}
+
+static void of_many_lost_textures_some_are_named_and_the_others_counted(void **state)
+{
+    (void)state;
+    enum { MATERIALS = 12 };
+    char json[6000];
+    mesh m;
+    error err = {""};
+    int used = snprintf(json, sizeof json,
+                        "'asset':{'version':'2.0'},'buffers':[{'byteLength':2048}],'bufferViews':["
+                        "{'buffer':0,'byteLength':48}],'accessors':[{'bufferView':0,"
+                        "'componentType':5126,'count':3,'type':'VEC3'}],'textures':[{}],"
+                        "'nodes':[{'mesh':0}],'materials':[{}");
+    for (int i = 1; i < MATERIALS; ++i)
+        used += snprintf(json + used, sizeof json - (size_t)used,
+                         ",{'normalTexture':{'index':0},'emissiveTexture':{'index':0,'texCoord':1},"
+                         "'pbrMetallicRoughness':{'metallicRoughnessTexture':{'index':0,"
+                         "'texCoord':2}}}");
+    used += snprintf(json + used, sizeof json - (size_t)used, "],'meshes':[{'primitives':[");
+    for (int i = 0; i < MATERIALS; ++i)
+        used += snprintf(json + used, sizeof json - (size_t)used,
+                         "%s{'attributes':{'POSITION':0},'material':%d}", i ? "," : "", i);
+    (void)snprintf(json + used, sizeof json - (size_t)used, "]}]");
+    document d = document_glb_of(json, &buffer, sizeof buffer);
+    if (gltf_parse(&m, d.bytes, d.size, NULL, &err) < 0)
+        fail_msg("%s", err.text);
+    assert_non_null(strstr(m.note, "material \"\": its picture is missing"));
+    assert_non_null(strstr(m.note, "its emission texture is not drawn: it uses texture coordinates "
+                                   "1, the other textures use 0"));
+    assert_non_null(strstr(m.note, "\n17 more textures of its materials are not drawn"));
+    mesh_destroy(&m);
 }
 
 static void toon_and_unlit_are_known(void **state)
@@ -188,8 +275,8 @@ static void pictures_are_decoded_in_the_child(void **state)
     static const struct {
         const char *seed;
         uint32_t width, height;
-    } cases[] = {
-        {"a.png", 24, 16}, {"a.jpg", 24, 16}, {"b.png", 9, 7}, {"c.png", 9, 7}, {"d.png", 24, 16}};
+    } cases[] = {{"a.png", 24, 16}, {"a.jpg", 24, 16},  {"b.png", 9, 7},    {"c.png", 9, 7},
+                 {"d.png", 24, 16}, {"a.webp", 24, 16}, {"b.webp", 24, 16}, {"c.webp", 12, 10}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         set_picture(cases[i].seed);
         mesh m = read_good(",'TEXCOORD_0':1", "'materials':[{'pbrMetallicRoughness':{"
@@ -199,10 +286,79 @@ static void pictures_are_decoded_in_the_child(void **state)
         assert_null(m.image[0].encoded);
         assert_int_equal(m.image[0].width, cases[i].width);
         assert_int_equal(m.image[0].height, cases[i].height);
-        assert_int_equal(m.image[0].rgba[3], 255);
+        assert_int_equal(m.image[0].rgba[7], 255);
         mesh_destroy(&m);
     }
     set_picture("a.png");
+}
+
+/* b.webp was written from a.png without loss. */
+static void a_webp_has_the_pixels_of_its_png(void **state)
+{
+    (void)state;
+    static const char rest[] = "'materials':[{'pbrMetallicRoughness':{'baseColorTexture':"
+                               "{'index':0}}}]" PICTURE;
+    mesh png = read_good(",'TEXCOORD_0':1", rest);
+    mesh_images_decode(&png);
+    set_picture("b.webp");
+    mesh webp = read_good(",'TEXCOORD_0':1", rest);
+    mesh_images_decode(&webp);
+    assert_null(webp.note);
+    assert_memory_equal(webp.image[0].rgba, png.image[0].rgba, 24 * 16 * 4);
+    mesh_destroy(&webp);
+    mesh_destroy(&png);
+    set_picture("c.webp");
+    webp = read_good(",'TEXCOORD_0':1", rest);
+    mesh_images_decode(&webp);
+    assert_int_equal(webp.image[0].rgba[3], 51);
+    mesh_destroy(&webp);
+    set_picture("a.png");
+}
+
+/* A texture may name its picture in one extension, in several, or besides. */
+static void a_texture_takes_the_picture_that_can_be_read(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *textures, *image;
+    } cases[] = {
+        {"'textures':[{'extensions':{'EXT_texture_webp':{'source':1}}}]", "webp"},
+        {"'textures':[{'source':0,'extensions':{'EXT_texture_webp':{'source':1}}}]", "png"},
+        {"'textures':[{'extensions':{'KHR_texture_basisu':{'source':2},'EXT_texture_avif':"
+         "{'source':2},'EXT_texture_webp':{'source':1}}}]",
+         "webp"},
+        {"'textures':[{'source':0,'extensions':{'KHR_texture_basisu':{'source':2}}}]", "png"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char rest[1024];
+        (void)snprintf(rest, sizeof rest,
+                       "'materials':[{'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}}],"
+                       "'extensionsRequired':['EXT_texture_webp'],'images':["
+                       "{'name':'png','mimeType':'image/png','bufferView':5},"
+                       "{'name':'webp','mimeType':'image/webp','bufferView':5},"
+                       "{'name':'ktx2','mimeType':'image/ktx2','bufferView':5}],%s",
+                       cases[i].textures);
+        mesh m = read_good(",'TEXCOORD_0':1", rest);
+        assert_int_equal(m.material[0].base.image, 1);
+        assert_string_equal(m.image[0].name, cases[i].image);
+        assert_null(m.note);
+        mesh_destroy(&m);
+    }
+}
+
+/* The smallest WebP: one white pixel, without loss. */
+static void a_data_uri_may_be_webp(void **state)
+{
+    (void)state;
+    mesh m = read_good(",'TEXCOORD_0':1",
+                       "'materials':[{'pbrMetallicRoughness':{'baseColorTexture':{'index':0}}}],"
+                       "'textures':[{'extensions':{'EXT_texture_webp':{'source':0}}}],'images':["
+                       "{'uri':'data:image/webp;base64,"
+                       "UklGRh4AAABXRUJQVlA4TBEAAAAvAAAAAAfQ//73v/+BiOh/AAA='}]");
+    mesh_images_decode(&m);
+    assert_null(m.note);
+    assert_int_equal(m.image[0].width, 1);
+    assert_string_equal(m.image[0].name, "images[0]");
+    mesh_destroy(&m);
 }
 
 /* A head without its picture and one sentence. */
@@ -271,19 +427,32 @@ static void damaged_and_foreign_pictures_are_told(void **state)
 {
     (void)state;
     static const char ktx2[] = "\xabKTX 20\xbb\r\n\x1a\n1234", webp[] = "RIFF1234WEBPVP8 ";
+    static const char avif[] = "\0\0\0\x1c"
+                               "ftypavif\0\0\0\0";
     mesh m = decode_of(ktx2, sizeof ktx2);
-    assert_non_null(strstr(m.note, "the picture \"face\" is not drawn: KTX2"));
+    assert_non_null(strstr(m.note, "the picture \"face\" is not drawn: it is KTX2"));
+    assert_non_null(strstr(m.note, "gltf-transform ktxdecompress"));
     assert_null(m.image[0].rgba);
     mesh_destroy(&m);
     m = decode_of(webp, sizeof webp);
-    assert_non_null(strstr(m.note, "WebP is not read"));
+    assert_non_null(strstr(m.note, "the WebP is damaged"));
+    assert_null(m.image[0].rgba);
+    mesh_destroy(&m);
+    m = decode_of(avif, sizeof avif);
+    assert_non_null(strstr(m.note, "AVIF is not read"));
     mesh_destroy(&m);
     m = decode_of("GIF89a", 6);
-    assert_non_null(strstr(m.note, "neither PNG nor JPEG"));
+    assert_non_null(strstr(m.note, "not PNG, JPEG or WebP"));
     mesh_destroy(&m);
     static uint8_t whole[2048];
-    static const char *const seeds[] = {"a.png", "a.jpg"};
-    for (size_t i = 0; i < 2; ++i) {
+    set_picture("d.webp");
+    memcpy(whole, buffer.picture, picture_size);
+    m = decode_of(whole, picture_size);
+    assert_null(m.image[0].rgba);
+    assert_non_null(strstr(m.note, "an animated WebP"));
+    mesh_destroy(&m);
+    static const char *const seeds[] = {"a.png", "a.jpg", "a.webp", "b.webp", "c.webp"};
+    for (size_t i = 0; i < sizeof seeds / sizeof *seeds; ++i) {
         set_picture(seeds[i]);
         size_t size = picture_size;
         memcpy(whole, buffer.picture, size);
@@ -292,6 +461,8 @@ static void damaged_and_foreign_pictures_are_told(void **state)
             assert_true(m.image[0].rgba || m.note);
             mesh_destroy(&m);
         }
+        if (i > 1) /* a WebP has at most 16 383 pixels a side */
+            continue;
         /* 60 000 pixels a side: refused before there is memory for it. */
         uint8_t huge[2048];
         memcpy(huge, whole, size);
@@ -338,8 +509,14 @@ int main(void)
         cmocka_unit_test(a_material_keeps_what_it_says),
         cmocka_unit_test(opaque_is_opaque_and_one_sided),
         cmocka_unit_test(colours_and_other_coordinates_are_read),
+        cmocka_unit_test(any_texture_may_use_the_second_coordinates),
+        cmocka_unit_test(a_colour_that_is_not_a_number_is_white),
+        cmocka_unit_test(of_many_lost_textures_some_are_named_and_the_others_counted),
         cmocka_unit_test(toon_and_unlit_are_known),
         cmocka_unit_test(pictures_are_decoded_in_the_child),
+        cmocka_unit_test(a_webp_has_the_pixels_of_its_png),
+        cmocka_unit_test(a_texture_takes_the_picture_that_can_be_read),
+        cmocka_unit_test(a_data_uri_may_be_webp),
         cmocka_unit_test(a_picture_that_cannot_be_had_is_told),
         cmocka_unit_test(of_many_pictures_that_cannot_be_had_one_is_told_and_the_others_counted),
         cmocka_unit_test(damaged_and_foreign_pictures_are_told),

@@ -199,7 +199,7 @@ static void what_is_missing_or_outside_is_told(void **state)
                  {"map_Kd http://a/b.png", "only files beside"},
                  {"map_Kd link.png", "is not in the folder of the file that names it"},
                  {"map_Kd tex", "the picture \"tex\" is not drawn: "},
-                 {"map_Kd head.obj", "neither PNG nor JPEG"},
+                 {"map_Kd head.obj", "not PNG, JPEG or WebP"},
                  {"map_Kd cut.png", "the picture \"cut.png\" is not drawn: the PNG is damaged"},
                  {"map_Kd \x1b[31m.png", "the picture \"?[31m.png\" is not drawn: "},
                  {"map_Kd -s 1", "1 lines of its materials are invalid"},

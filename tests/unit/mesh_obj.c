@@ -45,7 +45,8 @@ static void every_form_of_corner_is_read(void **state)
     (void)state;
     static const char *const faces[] = {
         "f 1 2 3\n",    "f 1/1 2/2 3/3\n", "f 1//1 2//1 3//1\n", "f 1/1/1 2/2/2 3/3/3\n",
-        "f -3 -2 -1\n", "f +1 2 3\r\n",    "f 1 2 \\\n 3\n",     "  f\t1 2 3"};
+        "f -3 -2 -1\n", "f +1 2 3\r\n",    "f 1 2 \\\n 3\n",     "  f\t1 2 3",
+        "f 1/ 2/ 3/\n", "f 1// 2// 3//\n", "f 1/1/ 2/2/ 3//\n",  "f 1/1 2/ 3\n"};
     static const uint32_t expected[] = {0, 1, 2};
     for (size_t i = 0; i < sizeof faces / sizeof *faces; ++i) {
         char text[256];
@@ -68,11 +69,48 @@ static void vertices_keep_their_order_and_number(void **state)
     mesh_destroy(&m);
 }
 
-static void weights_and_colours_after_a_vertex_are_passed_over(void **state)
+static void weights_after_a_vertex_are_passed_over(void **state)
 {
     (void)state;
-    mesh m = read_good("v 0 0 0 1\nv 1 0 0 0.5 0.5 0.5\nv 0 1 0 0.1 0.2 0.3 1\nf 1 2 3\n");
+    mesh m = read_good("v 0 0 0 1\nv 1 0 0 nan\nv 0 1 0 0.5\nf 1 2 3\n");
     assert_int_equal(m.vertex_count, 3);
+    assert_null(m.colour);
+    assert_null(m.note);
+    mesh_destroy(&m);
+}
+
+static void colours_after_a_vertex_are_read(void **state)
+{
+    (void)state;
+    mesh m = read_good("v 0 0 0 1 0 0\nv 1 0 0 0 0.50196 -1\nv 0 1 0 0 0 2 0.5\nf 1 2 3\n");
+    assert_non_null(m.colour);
+    assert_true(m.colour[0] == 1.0f && m.colour[1] == 0.0f && m.colour[3] == 1.0f);
+    assert_true(m.colour[5] > 0.2158f && m.colour[5] < 0.2160f); /* sRGB 128, in linear light */
+    assert_true(m.colour[6] == 0.0f && m.colour[10] == 1.0f && m.colour[11] == 1.0f);
+    assert_null(m.note);
+    mesh_destroy(&m);
+}
+
+static void vertices_without_a_colour_are_white(void **state)
+{
+    (void)state;
+    static const float expected[16] = {1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
+    mesh m = read_good("v 0 0 0\nv 1 0 0 0 0 1\nv 0 1 0 0 NaN -nan(ind)\nv 1 1 0\nf 1 2 3\n");
+    assert_memory_equal(m.colour, expected, sizeof expected);
+    assert_non_null(strstr(m.note, "2 vertices have no colour and are white"));
+    assert_non_null(strstr(m.note, "the colours of 1 vertices are not numbers"));
+    mesh_destroy(&m);
+}
+
+static void a_vertex_that_is_split_keeps_its_colour(void **state)
+{
+    (void)state;
+    mesh m = read_good("mtllib head.mtl\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\n"
+                       "vt 0 0\nvt 1 0\nvt 0 1\nvt 1 1\nf 1/1 2/2 3/3\nf 3/4 2/2 1/1\n");
+    assert_int_equal(m.vertex_count, 4);
+    assert_int_equal(m.point[3], 2);
+    assert_memory_equal(m.colour + 12, m.colour + 8, 4 * sizeof(float));
+    assert_true(m.colour[14] == 1.0f && m.colour[12] == 0.0f);
     mesh_destroy(&m);
 }
 
@@ -262,7 +300,10 @@ static void malformed_text_is_refused_by_line(void **state)
                {TRIANGLE "f 1 2 999999999999\n", "line 4: a face uses vertex 999999999999"},
                {TRIANGLE "f 1 2 99999999999999999999\n", "line 4: a corner"},
                {TRIANGLE "f /1/ 2 3\n", "line 4: a corner as v"},
-               {TRIANGLE "f 1/ 2/ 3/\n", "line 4: a corner as v"},
+               {TRIANGLE "f 1/// 2 3\n", "line 4: a corner as v"},
+               {TRIANGLE "f / 2 3\n", "line 4: a corner as v"},
+               {"v 0 0 0 1 2 red\n", "line 1: a finite number was expected, \"red\""},
+               {"v 0 0 0 1 2 nanometre\n", "line 1: a finite number"},
                {TRIANGLE "f 1/a 2 3\n", "line 4: a corner as v"},
                {TRIANGLE "f 1/1/1/1 2 3\n", "line 4: a corner as v"},
                {TRIANGLE "f 1 2.0 3\n", "line 4: a corner as v"},
@@ -301,7 +342,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_form_of_corner_is_read),
         cmocka_unit_test(vertices_keep_their_order_and_number),
-        cmocka_unit_test(weights_and_colours_after_a_vertex_are_passed_over),
+        cmocka_unit_test(weights_after_a_vertex_are_passed_over),
+        cmocka_unit_test(colours_after_a_vertex_are_read),
+        cmocka_unit_test(vertices_without_a_colour_are_white),
+        cmocka_unit_test(a_vertex_that_is_split_keeps_its_colour),
         cmocka_unit_test(quads_are_cut_along_the_shorter_diagonal),
         cmocka_unit_test(polygons_become_fans_with_a_note),
         cmocka_unit_test(groups_and_materials_become_parts_in_order_of_appearance),

@@ -40,6 +40,31 @@ static void the_variants_of_the_header_are_read(void **state)
     }
 }
 
+static void a_face_may_run_over_several_lines(void **state)
+{
+    (void)state;
+    static const char *const good[] = {
+        "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4\n0 1\n\n2 # a comment\n3\n3 0 1 2\n",
+        "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0\n1 2\n3 0.5 0.5 0.5\n3\n0\n1\n2 9"};
+    static const uint32_t expected[] = {0, 1, 2, 0, 2, 3, 0, 1, 2};
+    for (size_t i = 0; i < sizeof good / sizeof *good; ++i) {
+        mesh m = read_good(good[i]);
+        assert_int_equal(m.triangle_count, 3);
+        assert_memory_equal(m.triangle, expected, sizeof expected);
+        assert_null(m.note);
+        mesh_destroy(&m);
+    }
+}
+
+static void a_colour_that_is_not_a_number_is_passed_over(void **state)
+{
+    (void)state;
+    mesh m = read_good("COFF\n3 1 0\n0 0 0 nan 0 0 1\n1 0 0 0 0 0 1\n0 1 0 0 0 inf 1\n"
+                       "3 0 1 2 NaN 0 0\n");
+    assert_int_equal(m.triangle_count, 1);
+    mesh_destroy(&m);
+}
+
 static void normals_are_made_unit(void **state)
 {
     (void)state;
@@ -77,7 +102,8 @@ static void malformed_text_is_refused_by_line(void **state)
                {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n", "line 6: a face uses vertex -1"},
                {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n", "line 6: a face has 2 corners"},
                {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n2000000000 0 1 2\n",
-                "line 6: a face of 2000000000 corners lists 3"},
+                "line 6: the file ends where corner 4 of a face of 2000000000 was expected"},
+               {"OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n2 0 1 2\n", "the file ends where a face"},
                {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 red\n", "line 6: a colour"},
                {"OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n", "no faces"},
                {"OFF\n0 0 0\n", "no vertices"}};
@@ -96,6 +122,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_variants_of_the_header_are_read),
+        cmocka_unit_test(a_face_may_run_over_several_lines),
+        cmocka_unit_test(a_colour_that_is_not_a_number_is_passed_over),
         cmocka_unit_test(normals_are_made_unit),
         cmocka_unit_test(malformed_text_is_refused_by_line),
     };

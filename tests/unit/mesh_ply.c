@@ -203,6 +203,96 @@ static void vertex_colours_are_read(void **state)
     mesh_destroy(&m);
 }
 
+static void a_colour_that_is_not_a_number_is_white(void **state)
+{
+    (void)state;
+    static const char text[] =
+        TEXT "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+             "property float red\nproperty float green\nproperty float blue\n" FACE "end_header\n"
+             "0 0 0 1 0 0\n1 0 0 nan 0.5 0\n0 1 0 0 0 -Infinity\n3 0 1 2\n";
+    static const float expected[12] = {1, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1};
+    mesh m = read_good(text, strlen(text));
+    assert_memory_equal(m.colour, expected, sizeof expected);
+    assert_non_null(strstr(m.note, "the colours of 2 vertices are not numbers"));
+    mesh_destroy(&m);
+}
+
+/* As text and in both byte orders; the faces may also be strips. */
+static void faces_may_come_before_the_vertices(void **state)
+{
+    (void)state;
+    static const uint32_t expected[] = {0, 1, 2};
+    static const char text[] = TEXT
+        "element edge 1\nproperty int a\n" FACE
+        "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "property float red\nproperty float green\nproperty float blue\nproperty list uchar int "
+        "faces\nelement tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+        "7\n3 0 1 2\n0 0 0 nan 1 1 1 0\n1 0 0 1 1 1 0\n0 1 0 1 1 1 2 0 1\n3 0 1 2\n";
+    mesh m = read_good(text, strlen(text));
+    assert_int_equal(m.triangle_count, 2);
+    assert_memory_equal(m.triangle, expected, sizeof expected);
+    assert_memory_equal(m.triangle + 3, expected, sizeof expected);
+    assert_true(m.position[3] == 1.0f);
+    mesh_destroy(&m);
+    for (int big = 0; big < 2; ++big) {
+        unsigned char data[512];
+        size_t used =
+            (size_t)snprintf((char *)data, sizeof data, "ply\nformat binary_%s_endian 1.0\n%s",
+                             big ? "big" : "little", FACE VERTEX "end_header\n");
+        data[used++] = 3;
+        for (uint32_t i = 0; i < 3; ++i)
+            used += put(data + used, &expected[i], 4, big);
+        for (int i = 0; i < 9; ++i) {
+            float number = i == 3 || i == 7 ? 1.0f : 0.0f;
+            used += put(data + used, &number, 4, big);
+        }
+        m = read_good(data, used);
+        assert_memory_equal(m.triangle, expected, sizeof expected);
+        assert_true(m.position[3] == 1.0f && m.position[7] == 1.0f);
+        assert_null(m.note);
+        mesh_destroy(&m);
+        for (size_t cut = 0; cut < used; ++cut)
+            assert_refused(data, cut, "");
+    }
+}
+
+static void lines_of_old_macs_are_read(void **state)
+{
+    (void)state;
+    static const uint32_t expected[] = {0, 1, 2};
+    char text[] = GOOD;
+    for (char *c = text; *c; ++c)
+        *c = *c == '\n' ? '\r' : *c;
+    mesh m = read_good(text, strlen(text));
+    assert_memory_equal(m.triangle, expected, sizeof expected);
+    assert_null(m.note);
+    mesh_destroy(&m);
+    for (char *c = strstr(text, "0 0 0"); *c; ++c) /* only the header */
+        *c = *c == '\r' ? '\n' : *c;
+    m = read_good(text, strlen(text));
+    assert_memory_equal(m.triangle, expected, sizeof expected);
+    mesh_destroy(&m);
+    /* The first bytes of a binary body may look like the end of a line. */
+    unsigned char data[1024];
+    size_t used =
+        (size_t)snprintf((char *)data, sizeof data, "ply\rformat binary_little_endian 1.0\r%s",
+                         VERTEX FACE "end_header\r");
+    for (size_t i = 0; i < used; ++i)
+        data[i] = data[i] == '\n' ? '\r' : data[i];
+    for (uint32_t i = 0; i < 9; ++i) {
+        uint32_t bits = i == 0 ? 0x3f800d0a : i;
+        used += put(data + used, &bits, 4, 0);
+    }
+    data[used++] = 3;
+    for (uint32_t i = 0; i < 3; ++i)
+        used += put(data + used, &expected[i], 4, 0);
+    m = read_good(data, used);
+    assert_true(m.position[0] > 1.0003f && m.position[0] < 1.0004f);
+    assert_memory_equal(m.triangle, expected, sizeof expected);
+    assert_null(m.note);
+    mesh_destroy(&m);
+}
+
 static void malformed_files_are_refused(void **state)
 {
     (void)state;
@@ -240,7 +330,9 @@ static void malformed_files_are_refused(void **state)
         {TEXT VERTEX VERTEX FACE "end_header\n0 0 0\n1 0 0\n0 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
          "\"vertex\" appears twice"},
         {TEXT VERTEX FACE "end_header\n0 0 0\n1 0 nan\n0 1 0\n3 0 1 2\n",
-         "line 11: a finite number was expected, \"nan\""},
+         "line 11: \"z\" is not finite"},
+        {TEXT VERTEX FACE "end_header\n0 0 0\n1 0 nanny\n0 1 0\n3 0 1 2\n",
+         "line 11: a finite number was expected, \"nanny\""},
         {TEXT VERTEX FACE "end_header\n0 0 0\n1 0 1e39\n0 1 0\n3 0 1 2\n",
          "line 11: \"z\" is not finite"},
         {TEXT VERTEX FACE "end_header\n0 0 0\n1 0\n0 1 0\n3 0 1 2\n", "line 11: fewer values"},
@@ -254,8 +346,14 @@ static void malformed_files_are_refused(void **state)
         {TEXT VERTEX "element face 1\nproperty list uchar float vertex_indices\nend_header\n"
                      "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
          "must be whole numbers"},
-        {TEXT FACE VERTEX "end_header\n3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n",
-         "but 0 are defined so far"}};
+        {TEXT FACE VERTEX "end_header\n3 0 1 3\n0 0 0\n1 0 0\n0 1 0\n",
+         "line 10: a face uses vertex 3"},
+        {TEXT FACE VERTEX "end_header\n3 0 1 x\n0 0 0\n1 0 0\n0 1 0\n", "line 10: a whole number"},
+        {TEXT FACE VERTEX "end_header\n3 0 1 2\n0 0 0\n1 0 0\n", "the file ends too early"},
+        {TEXT FACE VERTEX VERTEX "end_header\n3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n0 0 0\n1 0 0\n0 1 0\n",
+         "\"vertex\" appears twice"},
+        {TEXT FACE "end_header\n3 0 1 2\n", "but 0 are defined so far"},
+        {"ply\rformat ascii 1.0\relement vertex x\r", "line 3: the number of elements"}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i)
         assert_refused(bad[i].text, strlen(bad[i].text), bad[i].reason);
 }
@@ -285,6 +383,9 @@ int main(void)
         cmocka_unit_test(other_elements_are_skipped_with_a_note),
         cmocka_unit_test(binary_triangle_strips_are_read),
         cmocka_unit_test(vertex_colours_are_read),
+        cmocka_unit_test(a_colour_that_is_not_a_number_is_white),
+        cmocka_unit_test(faces_may_come_before_the_vertices),
+        cmocka_unit_test(lines_of_old_macs_are_read),
         cmocka_unit_test(malformed_files_are_refused),
         cmocka_unit_test(binary_lists_of_a_lying_length_are_refused),
     };

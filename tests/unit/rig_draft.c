@@ -523,14 +523,14 @@ static void a_mouth_is_cut_where_lips_are_one_surface(void **state)
     const char *path = SOURCE_DIR "/rigs/moai/moai.glb";
     if (face_file_read(&f, path, NULL, FACE_FILE_ANY, &err) < 0)
         fail_msg("%s", err.text);
-    assert_int_equal(rig_draft_mouth(&chain, &count, &f.mesh, &f.topology, &err), MRT_OK);
+    assert_int_equal(rig_draft_mouth(&chain, &count, NULL, &f.mesh, &f.topology, &err), MRT_OK);
     assert_null(chain); /* it has one */
     close_mouth(&f.mesh);
     topology_destroy(&f.topology);
     assert_true(openmesh_topology(&f.topology, &f.mesh, &err) >= 0);
     uint32_t rejected = f.topology.rejected_count;
     uint32_t triangles = f.mesh.triangle_count, vertices = f.mesh.vertex_count;
-    if (rig_draft_mouth(&chain, &count, &f.mesh, &f.topology, &err) < 0)
+    if (rig_draft_mouth(&chain, &count, NULL, &f.mesh, &f.topology, &err) < 0)
         fail_msg("%s", err.text);
     assert_non_null(chain);
     print_message("%u vertices from lip corner to lip corner\n", count);

@@ -722,8 +722,12 @@ static void name_performance(const performance *self, char *out, size_t capacity
 static void print_motion(const recording *of, facts *told)
 {
     char text[64];
+    const bool is_still = of->furthest_mm < 0.05;
     (void)snprintf(text, sizeof text, "%.1f mm at most", of->furthest_mm);
-    facts_headline(told, "moved", text);
+    facts_headline(told, "moved",
+                   is_still ? "nothing: no hand touched skin that can be pulled. Try --map "
+                              "one_hand, or look at the rig with marotte rig show"
+                            : text);
 }
 
 static void print_nothing_written(const perform_options *options, facts *told)

@@ -129,7 +129,8 @@ typedef struct drafting {
     const char *mesh_path, *given_path; /* NULL: beside the mesh, with its name */
     char out_path[PATH_TEXT];
     mesh_frame frame;
-    bool may_replace, cuts_mouth;
+    bool may_replace;
+    bool cuts_mouth, leaves_mouth; /* neither: a mouth is cut where the lips show a clear groove */
 } drafting;
 
 #define AT(member) .offset = offsetof(drafting, member)
@@ -140,6 +141,7 @@ static const command_option new_options[] = {
     {"up", COMMAND_READ, AT(frame.up), .read = command_read_axis},
     {"forward", COMMAND_READ, AT(frame.forward), .read = command_read_axis},
     {"cut-mouth", COMMAND_FLAG, AT(cuts_mouth)},
+    {"no-cut-mouth", COMMAND_FLAG, AT(leaves_mouth)},
     {"force", COMMAND_FLAG, AT(may_replace)},
     {.name = NULL},
 };
@@ -176,41 +178,94 @@ static void warn_mesh_path(const drafting *d)
     free(folder);
 }
 
-static mrt_result cut_mouth(face_file *f, uint32_t **out_chain, uint32_t *out_count, error *err)
+/* What is drafted: the mesh as read, or with its mouth cut open. */
+typedef struct drafted {
+    face_file file;
+    rig rig;
+    char *confirm;
+    uint32_t *chain, chain_count; /* of the cut; NULL: none */
+} drafted;
+
+static void drafted_finish(drafted *d)
 {
-    mrt_result result = rig_draft_mouth(out_chain, out_count, &f->mesh, &f->topology, err);
-    if (result >= 0 && *out_chain)
-        result = face_file_cut_mouth(f, *out_chain, *out_count, err);
+    free(d->chain);
+    free(d->confirm);
+    rig_destroy(&d->rig);
+    face_file_destroy(&d->file);
+    *d = (drafted){.chain = NULL};
+}
+
+/* Whether the mouth can open as a mouth does, and no contact lies on its rims. */
+static bool is_good_mouth(const drafted *d)
+{
+    const double least_rad = 0.2;
+    const rig *r = &d->rig;
+    const uint32_t jaw = rig_find_jaw(r);
+    bool is_good = jaw != RIG_NONE && r->mouth.upper && r->bone[jaw].open_max_rad > least_rad;
+    for (uint32_t c = 0; c < r->contact_count; ++c)
+        for (uint32_t i = 0; i < d->chain_count; ++i)
+            is_good = is_good && r->contact[c].vertex != d->chain[i];
+    return is_good;
+}
+
+/* *out_is_clear: of the groove between the lips; rig_draft_mouth. */
+static mrt_result draft_once(drafted *out, const drafting *d, bool cuts, bool *out_is_clear,
+                             error *err)
+{
+    *out = (drafted){.chain = NULL};
+    *out_is_clear = false;
+    mrt_result result = face_file_read(&out->file, d->mesh_path, &d->frame, FACE_FILE_ANY, err);
+    if (result >= 0 && out->file.rig)
+        result = error_set(err, MRT_ERR_ARGUMENT, "%s: this is a rig; rig new needs a mesh",
+                           d->mesh_path);
+    else if (result >= 0 && cuts) {
+        result = rig_draft_mouth(&out->chain, &out->chain_count, out_is_clear, &out->file.mesh,
+                                 &out->file.topology, err);
+        if (result >= 0 && out->chain)
+            result = face_file_cut_mouth(&out->file, out->chain, out->chain_count, err);
+        if (result < 0)
+            error_prefix(err, d->mesh_path);
+    }
+    if (result >= 0 && (!cuts || d->cuts_mouth || *out_is_clear))
+        result = face_file_draft(&out->rig, &out->confirm, &out->file.mesh, &out->file.topology,
+                                 d->mesh_path, out->chain, out->chain_count, err);
+    if (result < 0)
+        drafted_finish(out);
     return result;
+}
+
+/* Without --cut-mouth the mouth is cut where the lips show a clear groove, and it opens well. */
+static mrt_result draft_best(drafted *out, const drafting *d, error *err)
+{
+    bool is_clear;
+    error ignored = {""};
+    if (d->cuts_mouth || d->leaves_mouth)
+        return draft_once(out, d, d->cuts_mouth, &is_clear, err);
+    if (draft_once(out, d, true, &is_clear, &ignored) >= 0) {
+        if (is_clear && is_good_mouth(out))
+            return MRT_OK;
+        drafted_finish(out);
+    }
+    return draft_once(out, d, false, &is_clear, err);
 }
 
 static mrt_result draft(const drafting *d, error *err)
 {
-    face_file f;
-    rig r;
-    char *confirm = NULL;
-    uint32_t *chain = NULL, chain_count = 0;
-    mrt_result result = face_file_read(&f, d->mesh_path, &d->frame, FACE_FILE_ANY, err);
+    drafted made;
+    mrt_result result = draft_best(&made, d, err);
     if (result < 0)
         return result;
-    if (f.rig)
-        result = error_set(err, MRT_ERR_ARGUMENT, "%s: this is a rig; rig new needs a mesh",
-                           d->mesh_path);
-    else if (d->cuts_mouth && (result = cut_mouth(&f, &chain, &chain_count, err)) < 0)
-        error_prefix(err, d->mesh_path);
-    if (result >= 0)
-        result = face_file_draft(&r, &confirm, &f.mesh, &f.topology, d->mesh_path, chain,
-                                 chain_count, err);
-    if (result >= 0) {
-        result = rig_write(&r, d->out_path, err);
-        rig_destroy(&r);
-    }
+    result = rig_write(&made.rig, d->out_path, err);
     if (result >= 0) {
         terminal_print("wrote    %s\n", d->out_path);
-        print_lines("note     ", f.note);
-        if (d->cuts_mouth && !chain)
+        print_lines("note     ", made.file.note);
+        if (d->cuts_mouth && !made.chain)
             print_lines("note     ", "mouth: the lips are open already; nothing was cut");
-        print_lines("confirm  ", confirm);
+        if (!d->cuts_mouth && made.chain)
+            print_lines("note     ", "mouth: cut open along the groove between the lips, with a "
+                                     "dark bag behind them. The mesh file is not changed. To keep "
+                                     "the lips closed: --no-cut-mouth");
+        print_lines("confirm  ", made.confirm);
         warn_mesh_path(d);
         fputs("next     marotte rig check ", stdout);
         terminal_print_quoted(d->out_path);
@@ -218,9 +273,7 @@ static mrt_result draft(const drafting *d, error *err)
         terminal_print_quoted(d->out_path);
         fputs(" --out rig.png\n", stdout);
     }
-    free(chain);
-    free(confirm);
-    face_file_destroy(&f);
+    drafted_finish(&made);
     return result;
 }
 
@@ -942,10 +995,12 @@ const command command_rig = {
         "  skin into the skull, the vertex furthest from rest. --out: draw each pose.\n"
         "\n"
         "marotte rig new MESH [--out NAME.rig.json] [--unit mm|cm|m|MM] [--up AXIS]\n"
-        "        [--forward AXIS] [--cut-mouth] [--force]\n"
+        "        [--forward AXIS] [--cut-mouth|--no-cut-mouth] [--force]\n"
         "  Drafts a rig for a mesh from its shape and the names of its parts, and lists what to\n"
-        "  confirm. --cut-mouth: open closed lips and add a dark bag behind them; the mesh file\n"
-        "  is not changed. --out: the file (the mesh's name with .rig.json). --force: overwrite.\n"
+        "  confirm. Closed lips with a clear groove are cut open, and get a dark bag behind\n"
+        "  them; the mesh file is not changed. --cut-mouth: cut them without a clear groove,\n"
+        "  too. --no-cut-mouth: never. --out: the file (the mesh's name with .rig.json).\n"
+        "  --force: overwrite.\n"
         "\n"
         "marotte rig fit RIG.rig.json TARGETS.glb [--contacts SET] [--json] [--out FITTED.glb]\n"
         "                [--save-poses OUT.rig.json] [--suggest N]\n"

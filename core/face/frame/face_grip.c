@@ -94,3 +94,28 @@ void face_assign(face *f, const face_grip *grip, uint32_t count)
     }
     f->control_column_count = column;
 }
+
+bool face_can_grip(const face *f, vec3 at)
+{
+    face_grip grip;
+    face_grip_at(&grip, f, at, 0);
+    return !grip.is_dropped;
+}
+
+bool face_movable_near(const face *f, vec3 at, const vec3 *taken, uint32_t count, double apart_mm,
+                       vec3 *out)
+{
+    double least_mm = (double)INFINITY;
+    for (uint32_t slot = 0; slot < f->shown.count; ++slot) {
+        const vec3 p = points_position(&f->shown, slot);
+        const double mm = vec3_length(vec3_sub(p, at));
+        bool is_free = (double)f->mobility[slot] > 0.5 && mm < least_mm;
+        for (uint32_t i = 0; is_free && i < count; ++i)
+            is_free = vec3_length(vec3_sub(p, taken[i])) >= apart_mm;
+        if (!is_free)
+            continue;
+        least_mm = mm;
+        *out = p;
+    }
+    return isfinite(least_mm);
+}

@@ -168,6 +168,92 @@ static mrt_result find_head_joint(rig_anatomy *a, const mesh *m, error *err)
     return MRT_OK;
 }
 
+static void count_head(rig_anatomy *a, const mesh *m)
+{
+    for (uint32_t i = 0; i < a->piece_count; ++i)
+        a->piece[i].head_count = 0;
+    for (uint32_t v = 0; v < m->vertex_count; ++v)
+        if (mesh_point(m, v) == v && a->is_head[v] && a->of_vertex[v] < a->piece_count)
+            a->piece[a->of_vertex[v]].head_count += 1;
+}
+
+static bool is_mostly_head(const anatomy_piece *p)
+{
+    return 2 * p->head_count > p->point_count;
+}
+
+/* ---- balls ---- */
+
+/* Fits a sphere to a piece by least squares: |p|^2 = 2 c p + k. Returns the mean error over the
+ * radius, or infinity if there is no sphere. */
+static double fit_sphere(vec3 *out_centre, double *out_radius, const rig_anatomy *a, uint32_t piece,
+                         const mesh *m)
+{
+    const anatomy_piece *p = &a->piece[piece];
+    const uint32_t *member = a->member + p->first_member;
+    double n[4][5] = {{0}}, miss = 0.0;
+    for (uint32_t k = 0; k < p->point_count; ++k) {
+        vec3 d = vec3_sub(mesh_position(m, member[k]), p->mean);
+        double row[5] = {2.0 * d.x, 2.0 * d.y, 2.0 * d.z, 1.0, vec3_dot(d, d)};
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < 5; ++j)
+                n[i][j] += row[i] * row[j];
+    }
+    for (int i = 0; i < 4; ++i) { /* symmetric positive definite, unless the piece is flat */
+        if (!(n[i][i] > 1e-9))
+            return (double)INFINITY;
+        for (int k = 0; k < 4; ++k) {
+            double part = k == i ? 0.0 : n[k][i] / n[i][i];
+            for (int j = 0; j < 5; ++j)
+                n[k][j] -= part * n[i][j];
+        }
+    }
+    vec3 c = {n[0][4] / n[0][0], n[1][4] / n[1][1], n[2][4] / n[2][2]};
+    double square = n[3][4] / n[3][3] + vec3_dot(c, c);
+    if (!(square > 0.0))
+        return (double)INFINITY;
+    *out_centre = vec3_add(p->mean, c);
+    *out_radius = sqrt(square);
+    for (uint32_t k = 0; k < p->point_count; ++k)
+        miss += fabs(vec3_length(vec3_sub(mesh_position(m, member[k]), *out_centre)) - *out_radius);
+    return miss / p->point_count / *out_radius;
+}
+
+/* A pair of eyeballs, one beside the other. */
+typedef struct eye_pair {
+    vec3 centre[2];
+    double radius_mm;
+} eye_pair;
+
+enum { EYE_PAIRS_MAX = 64 };
+
+/* Finds pairs of eyeballs in a head of that height. Returns their number. */
+static uint32_t find_eye_pairs(eye_pair out[EYE_PAIRS_MAX], const rig_anatomy *a, const mesh *m,
+                               double height)
+{
+    enum { BALLS_MAX = 64 };
+    anatomy_eye ball[BALLS_MAX];
+    uint32_t count = 0, pair_count = 0;
+    for (uint32_t i = 0; i < a->piece_count && count < BALLS_MAX; ++i) {
+        const anatomy_piece *p = &a->piece[i];
+        vec3 d = vec3_sub(p->high, p->low);
+        if (p->point_count >= 20 && is_mostly_head(p) && d.x < 1.4 * d.y && d.y < 1.4 * d.x &&
+            d.z > 0.25 * d.x && d.x < 0.35 * height && d.x > 0.02 * height &&
+            fit_sphere(&ball[count].centre, &ball[count].radius_mm, a, i, m) < 0.12)
+            count += 1;
+    }
+    for (uint32_t i = 0; i < count; ++i)
+        for (uint32_t j = 0; j < count && pair_count < EYE_PAIRS_MAX; ++j) {
+            vec3 apart = vec3_sub(ball[i].centre, ball[j].centre);
+            double radius = ball[i].radius_mm;
+            if (apart.x > 1.5 * radius && apart.x <= 8.0 * radius &&
+                hypot(apart.y, apart.z) <= 0.3 * radius &&
+                fabs(ball[j].radius_mm - radius) <= 0.2 * radius)
+                out[pair_count++] = (eye_pair){{ball[i].centre, ball[j].centre}, radius};
+        }
+    return pair_count;
+}
+
 /* ---- heads by their position ---- */
 
 enum { ROWS = 256 };
@@ -334,8 +420,10 @@ static int find_neck_of_figure(const rig_anatomy *a, const mesh *m, vec3 low, ve
     double body = 0.0;
     for (int row = 0; row < neck; ++row)
         body = fmax(body, thick[row]);
-    const bool is_thin = thick[neck] < 0.55 * thick[head] && thick[neck] < 0.7 * body;
-    return is_thin && body > 0.4 * thick[head] && ROWS - neck > ROWS / 6 ? neck : -1;
+    const bool is_narrow = __builtin_popcountll(covered[neck][0]) * 10 <
+                           __builtin_popcountll(covered[head][0]) * 8; /* also from the front */
+    const bool is_thin = is_narrow && thick[neck] < 0.55 * thick[head] && thick[neck] < 0.7 * body;
+    return is_thin && body > 0.4 * thick[head] && 10 * (ROWS - neck) > 4 * ROWS ? neck : -1;
 }
 
 static double size_of(const anatomy_piece *p)
@@ -379,13 +467,28 @@ static int find_neck_by_pieces(rig_anatomy *a, const rows *r)
         if (p == head || p->point_count == 0 || !a->is_head[p->vertex] ||
             p->low.y > head->low.y - 0.1 * height)
             continue;
-        if (into > 0.5 * tall) /* the skin of a face below its hair */
-            return -1;
+        if (into > 0.5 * tall || into > 0.5 * (head->high.y - head->low.y))
+            return -1; /* hair or a hat on the head */
         below += size_of(p);
     }
     const bool has_body =
         head && head->low.y - r->low_y > 0.25 * height && below > 0.3 * size_of(head);
-    return has_body ? row_of(r, head->low.y) : -1;
+    if (!has_body)
+        return -1;
+    a->head_piece = (uint32_t)(head - a->piece);
+    return row_of(r, head->low.y);
+}
+
+/* Whether a pair of eyeballs lies below the row, in what may be a face. */
+static bool has_eyes_below(const rig_anatomy *a, const mesh *m, const rows *r, int row)
+{
+    eye_pair pair[EYE_PAIRS_MAX];
+    const double height = ROWS * r->row_mm;
+    for (uint32_t i = row < 0 ? 0 : find_eye_pairs(pair, a, m, height); i-- > 0;)
+        if (pair[i].centre[0].y < r->low_y + row * r->row_mm &&
+            pair[i].centre[0].y > r->low_y + 0.3 * height)
+            return true;
+    return false;
 }
 
 /* Cuts the head off at the neck. A head alone has no shoulders. A whole body is far higher than it
@@ -396,12 +499,19 @@ static void cut_off_body(rig_anatomy *a, const mesh *m, vec3 low, vec3 high)
     if (!r)
         return;
     fill_rows(r, m, a->is_head, low, high);
+    count_head(a, m);
     bool is_tall = high.y - low.y > 2.2 * (high.z - low.z);
     int neck = find_neck_by_pieces(a, r);
+    if (has_eyes_below(a, m, r, neck)) {
+        neck = -1;
+        a->head_piece = UINT32_MAX;
+    }
     if (neck < 0)
         neck = is_tall ? find_neck_of_body(r) : find_neck_of_bust(r);
     if (neck < 0)
         neck = find_neck_of_figure(a, m, low, high);
+    if (has_eyes_below(a, m, r, neck))
+        neck = -1;
     if (neck >= 0)
         neck = row_with_skin(r, neck); /* the head may hover above its body */
     if (neck >= 0) {
@@ -577,55 +687,6 @@ static bool matches_name(const mesh *m, const anatomy_piece *p, bool (*as)(const
     return as(name_of(m, p)) || as(material_of(m, p));
 }
 
-static void count_head(rig_anatomy *a, const mesh *m)
-{
-    for (uint32_t v = 0; v < m->vertex_count; ++v)
-        if (mesh_point(m, v) == v && a->is_head[v])
-            a->piece[a->of_vertex[v]].head_count += 1;
-}
-
-static bool is_mostly_head(const anatomy_piece *p)
-{
-    return 2 * p->head_count > p->point_count;
-}
-
-/* ---- balls ---- */
-
-/* Fits a sphere to a piece by least squares: |p|^2 = 2 c p + k. Returns the mean error over the
- * radius, or infinity if there is no sphere. */
-static double fit_sphere(vec3 *out_centre, double *out_radius, const rig_anatomy *a, uint32_t piece,
-                         const mesh *m)
-{
-    const anatomy_piece *p = &a->piece[piece];
-    const uint32_t *member = a->member + p->first_member;
-    double n[4][5] = {{0}}, miss = 0.0;
-    for (uint32_t k = 0; k < p->point_count; ++k) {
-        vec3 d = vec3_sub(mesh_position(m, member[k]), p->mean);
-        double row[5] = {2.0 * d.x, 2.0 * d.y, 2.0 * d.z, 1.0, vec3_dot(d, d)};
-        for (int i = 0; i < 4; ++i)
-            for (int j = 0; j < 5; ++j)
-                n[i][j] += row[i] * row[j];
-    }
-    for (int i = 0; i < 4; ++i) { /* symmetric positive definite, unless the piece is flat */
-        if (!(n[i][i] > 1e-9))
-            return (double)INFINITY;
-        for (int k = 0; k < 4; ++k) {
-            double part = k == i ? 0.0 : n[k][i] / n[i][i];
-            for (int j = 0; j < 5; ++j)
-                n[k][j] -= part * n[i][j];
-        }
-    }
-    vec3 c = {n[0][4] / n[0][0], n[1][4] / n[1][1], n[2][4] / n[2][2]};
-    double square = n[3][4] / n[3][3] + vec3_dot(c, c);
-    if (!(square > 0.0))
-        return (double)INFINITY;
-    *out_centre = vec3_add(p->mean, c);
-    *out_radius = sqrt(square);
-    for (uint32_t k = 0; k < p->point_count; ++k)
-        miss += fabs(vec3_length(vec3_sub(mesh_position(m, member[k]), *out_centre)) - *out_radius);
-    return miss / p->point_count / *out_radius;
-}
-
 /* ---- the face: the piece with the largest visible area from the front ---- */
 
 enum { PIXELS = 192 };
@@ -705,33 +766,18 @@ static uint32_t count_near(const rig_anatomy *a, const mesh *m, const anatomy_pi
  * larger. */
 static void prefer_sockets(double *visible, const rig_anatomy *a, const mesh *m, double height)
 {
-    enum { BALLS_MAX = 64, NEAR_LEAST = 4 };
-    anatomy_eye ball[BALLS_MAX];
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < a->piece_count && count < BALLS_MAX; ++i) {
-        const anatomy_piece *p = &a->piece[i];
-        vec3 d = vec3_sub(p->high, p->low);
-        if (p->point_count >= 20 && is_mostly_head(p) && d.x < 1.4 * d.y && d.y < 1.4 * d.x &&
-            d.z > 0.25 * d.x && d.x < 0.35 * height && d.x > 0.02 * height &&
-            fit_sphere(&ball[count].centre, &ball[count].radius_mm, a, i, m) < 0.12)
-            count += 1;
-    }
-    for (uint32_t i = 0; i < count; ++i)
-        for (uint32_t j = 0; j < count; ++j) {
-            vec3 apart = vec3_sub(ball[i].centre, ball[j].centre);
-            double radius = ball[i].radius_mm;
-            if (!(apart.x > 1.5 * radius) || apart.x > 8.0 * radius ||
-                hypot(apart.y, apart.z) > 0.3 * radius ||
-                fabs(ball[j].radius_mm - radius) > 0.2 * radius)
-                continue;
-            for (uint32_t k = 0; k < a->piece_count; ++k)
-                if (visible[k] > 0.0 &&
-                    count_near(a, m, &a->piece[k], ball[i].centre, 1.5 * radius) >= NEAR_LEAST &&
-                    count_near(a, m, &a->piece[k], ball[j].centre, 1.5 * radius) >= NEAR_LEAST)
-                    visible[k] *= -4.0; /* negative marks it as done */
+    enum { NEAR_LEAST = 4 };
+    eye_pair pair[EYE_PAIRS_MAX];
+    const uint32_t count = find_eye_pairs(pair, a, m, height);
+    for (uint32_t k = 0; k < a->piece_count; ++k) {
+        bool holds = false;
+        for (uint32_t i = 0; i < count && !holds && visible[k] > 0.0; ++i) {
+            const double reach_mm = 1.5 * pair[i].radius_mm;
+            holds = count_near(a, m, &a->piece[k], pair[i].centre[0], reach_mm) >= NEAR_LEAST &&
+                    count_near(a, m, &a->piece[k], pair[i].centre[1], reach_mm) >= NEAR_LEAST;
         }
-    for (uint32_t k = 0; k < a->piece_count; ++k)
-        visible[k] = fabs(visible[k]);
+        visible[k] *= holds ? 4.0 : 1.0;
+    }
 }
 
 static mrt_result find_face(rig_anatomy *a, const mesh *m, error *err)
@@ -999,8 +1045,6 @@ static void extend_to_neck(rig_anatomy *a, const mesh *m)
                          0.6 * r->low_z[neck] + 0.4 * r->high_z[neck]};
         for (uint32_t v = 0; v < m->vertex_count; ++v)
             a->is_head[v] = a->is_face[v] || mesh_position(m, v).y >= y;
-        for (uint32_t i = 0; i < a->piece_count; ++i)
-            a->piece[i].head_count = 0;
         count_head(a, m);
     }
     for (uint32_t v = 0; v < m->vertex_count; ++v)
@@ -1152,6 +1196,13 @@ mrt_result rig_anatomy_find(rig_anatomy *out, const mesh *m, const topology *t, 
         extend_to_neck(out, m);
     if (result >= 0) {
         mrt_result measured = rig_head_measure(&out->head, m, out->is_face, err);
+        if (measured < 0 && out->head_piece < out->piece_count) { /* another piece is the face */
+            out->head_piece = UINT32_MAX;
+            out->piece[out->face].kind = PIECE_UNKNOWN;
+            measured = find_face(out, m, err);
+            if (measured >= 0)
+                measured = rig_head_measure(&out->head, m, out->is_face, err);
+        }
         out->has_face = measured >= 0;
         result = measured < 0 && out->head_joint == MESH_NO_JOINT ? measured : MRT_OK;
     }

@@ -782,10 +782,10 @@ static json_t *draft_document(drafting *d, const char *mesh_name)
         add_upper_face(d);
         if (d->ambition < WITHOUT_LIDS)
             draft_lids(d);
+        note_mouth(d);
     }
     if (d->a.has_face && d->has_jaw) {
         add_jaw(d);
-        note_mouth(d);
         add_patches(d);
     }
     if (d->has_body)
@@ -1283,8 +1283,23 @@ static mrt_result find_mouth_line(uint32_t **out, uint32_t *out_count, const rig
                       : no_memory(err);
 }
 
-mrt_result rig_draft_mouth(uint32_t **out_chain, uint32_t *out_count, const mesh *m,
-                           const topology *t, error *err)
+/* Whether the lips show a groove, and the chain follows it within 2 % of the reach. A coarse mesh
+ * would get a zigzag for a mouth. */
+static bool is_clear_mouth(const rig_head *head, const mouth_line *l, const uint32_t *chain,
+                           uint32_t count, const mesh *m)
+{
+    enum { LEAST = 8 };
+    double off = 0.0;
+    for (uint32_t i = 0; i < count; ++i) {
+        const vec3 p = mesh_position(m, chain[i]);
+        off += fabs(p.y - line_y(l, p.x)) / count;
+    }
+    return count >= LEAST && !head->is_plain && head->corner_x > 0.0 &&
+           head->mouth_depth > 0.015 * l->reach_mm && off < 0.02 * l->reach_mm;
+}
+
+mrt_result rig_draft_mouth(uint32_t **out_chain, uint32_t *out_count, bool *out_is_clear,
+                           const mesh *m, const topology *t, error *err)
 {
     rig_anatomy a;
     *out_chain = NULL;
@@ -1301,6 +1316,9 @@ mrt_result rig_draft_mouth(uint32_t **out_chain, uint32_t *out_count, const mesh
                            "no face was found in the mesh, so no mouth can be cut");
     else if (!a.has_parted_lips)
         result = find_mouth_line(out_chain, out_count, &a, &l, m, t, err);
+    if (out_is_clear)
+        *out_is_clear =
+            result >= 0 && *out_chain && is_clear_mouth(&a.head, &l, *out_chain, *out_count, m);
     rig_anatomy_finish(&a);
     return result;
 }

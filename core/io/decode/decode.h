@@ -1,7 +1,6 @@
 /* io/decode/decode.h - jobs for the decoders of other libraries, on untrusted bytes: Draco,
- * meshopt, PNG and JPEG. They run only in marotte-meshload (started by decode_run), one job after
- * the other. This file defines the jobs and their answers.
- * Threads: see decode_run. */
+ * meshopt, PNG, JPEG and WebP. They run only in marotte-meshload (started by decode_run), one job
+ * after the other. This file defines the jobs and their answers. Threads: see decode_run. */
 #ifndef MAROTTE_IO_DECODE_H
 #define MAROTTE_IO_DECODE_H
 #include "base/error.h"
@@ -12,7 +11,7 @@ typedef enum decode_kind {
     DECODE_NONE = 0,
     DECODE_DRACO,   /* a mesh; the answer: index_count uint32, then each attribute's values */
     DECODE_MESHOPT, /* a buffer; the answer: count by stride bytes */
-    DECODE_IMAGE,   /* PNG or JPEG; the answer: decode_image_size, then RGBA, rows from the top */
+    DECODE_IMAGE,   /* PNG, JPEG, WebP; the answer: decode_image_size, then RGBA, from the top */
     DECODE_KINDS
 } decode_kind;
 

@@ -1,4 +1,4 @@
-/* Pictures: libpng and libjpeg-turbo, for the textures of a head. (Pictures are written by
+/* Pictures: libpng, libjpeg-turbo and libwebp, for the textures of a head. (Pictures are written by
  * io/write/png.c.) */
 #include "io/decode/decode.h"
 
@@ -9,6 +9,7 @@
 #include <setjmp.h>
 #include <stdlib.h>
 #include <string.h>
+#include <webp/decode.h>
 
 typedef struct pixels {
     uint32_t width, height;
@@ -128,7 +129,30 @@ static mrt_result decode_jpeg(pixels *out, const void *data, size_t size, uint32
     return result;
 }
 
-/* ---- both ---- */
+/* ---- WebP ---- */
+
+static mrt_result decode_webp(pixels *out, const void *data, size_t size, error *err)
+{
+    WebPBitstreamFeatures image;
+    if (WebPGetFeatures(data, size, &image) != VP8_STATUS_OK)
+        return error_set(err, MRT_ERR_FORMAT, "the WebP is damaged");
+    if (image.has_animation)
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "it is an animated WebP: export the texture as a still picture");
+    mrt_result result = check_size((uint64_t)image.width, (uint64_t)image.height, size, err);
+    if (result < 0)
+        return result;
+    uint32_t width = (uint32_t)image.width, height = (uint32_t)image.height;
+    size_t row = (size_t)width * 4;
+    *out = (pixels){width, height, malloc(row * height)};
+    if (!out->rgba)
+        return no_memory(err);
+    if (!WebPDecodeRGBAInto(data, size, out->rgba, row * height, (int)row))
+        return error_set(err, MRT_ERR_FORMAT, "the WebP is damaged");
+    return MRT_OK;
+}
+
+/* ---- any of them ---- */
 
 /* Halves the picture in place: each pixel is the mean of up to four. Odd last rows and columns are
  * used twice. */
@@ -158,13 +182,16 @@ static mrt_result decode_any(pixels *out, const void *data, size_t size, uint32_
         return decode_png(out, data, size, err);
     if (size >= 3 && at[0] == 0xff && at[1] == 0xd8 && at[2] == 0xff)
         return decode_jpeg(out, data, size, side_max, err);
+    if (size >= 12 && memcmp(at, "RIFF", 4) == 0 && memcmp(at + 8, "WEBP", 4) == 0)
+        return decode_webp(out, data, size, err);
     if (size >= 12 && memcmp(at, "\xabKTX 20\xbb\r\n\x1a\n", 12) == 0)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "KTX2 (Basis Universal) is not read: export the textures as PNG or JPEG");
-    if (size >= 12 && memcmp(at, "RIFF", 4) == 0 && memcmp(at + 8, "WEBP", 4) == 0)
+                         "it is KTX2 (Basis Universal), which is not read. "
+                         "\"gltf-transform ktxdecompress\" converts it to PNG");
+    if (size >= 12 && memcmp(at + 4, "ftypavif", 8) == 0)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "WebP is not read: export the textures as PNG or JPEG");
-    return error_set(err, MRT_ERR_UNSUPPORTED, "it is neither PNG nor JPEG");
+                         "AVIF is not read: export the textures as PNG or JPEG");
+    return error_set(err, MRT_ERR_UNSUPPORTED, "it is not PNG, JPEG or WebP");
 }
 
 mrt_result image_decode(void **out_data, size_t *out_size, const decode_order *order,

@@ -174,12 +174,8 @@ float gltf_accessor::number(const unsigned char *at) const
         value = load<uint32_t>(at);
         full = 4294967295.0;
         break;
-    default: {
-        float single = load<float>(at);
-        if (!std::isfinite(single))
-            fail("a number in it is not finite");
-        return single;
-    }
+    default:
+        return load<float>(at);
     }
     if (accessor_.normalized)
         value = value < -full ? -1.0 : value / full;
@@ -193,6 +189,14 @@ void gltf_accessor::read_element(const unsigned char *at, float *out) const
 }
 
 void gltf_accessor::read_floats(float *out) const
+{
+    read_any_floats(out);
+    for (size_t i = 0; i < accessor_.count * component_count_; ++i)
+        if (!std::isfinite(out[i]))
+            fail("a number in it is not finite");
+}
+
+void gltf_accessor::read_any_floats(float *out) const
 {
     check_sparse_indices();
     for (size_t i = 0; dense_.at && i < accessor_.count; ++i)

@@ -35,6 +35,8 @@ class gltf_accessor
     }
     /* Writes count by component_count finite numbers; `out` must be zeroed. */
     void read_floats(float *out) const;
+    /* Likewise, but the numbers may be infinite or NaN. */
+    void read_any_floats(float *out) const;
     /* Reads a SCALAR accessor of integers, each below `limit`. */
     std::vector<uint32_t> read_indices(size_t limit) const;
 

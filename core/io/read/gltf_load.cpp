@@ -283,6 +283,7 @@ bool is_known(const std::string &extension)
                                         "KHR_lights_punctual",
                                         "EXT_texture_webp",
                                         "EXT_texture_avif",
+                                        "EXT_mesh_gpu_instancing",
                                         "EXT_meshopt_compression",
                                         "KHR_meshopt_compression",
                                         "KHR_draco_mesh_compression",
@@ -380,18 +381,46 @@ void set_aside_draco_indices(json &document)
     }
 }
 
+const json *meshopt_of(const json &object)
+{
+    auto extensions = object.find("extensions");
+    if (extensions == object.end() || !extensions->is_object())
+        return nullptr;
+    for (const char *name : GLTF_MESHOPT_NAMES) {
+        auto found = extensions->find(name);
+        if (found != extensions->end())
+            return &*found;
+    }
+    return nullptr;
+}
+
+/* Finds the buffers whose views are all compressed in another buffer. */
+std::vector<bool> find_replaced(const json &document, size_t buffer_count)
+{
+    std::vector<bool> is_replaced(buffer_count, false), is_read(buffer_count, false);
+    auto mark = [](std::vector<bool> &of, const json &view) {
+        auto buffer = view.is_object() ? view.find("buffer") : view.end();
+        if (buffer != view.end() && buffer->is_number_unsigned() &&
+            buffer->get<uint64_t>() < of.size())
+            of[buffer->get<size_t>()] = true;
+    };
+    for (const json &view : array_at(document, "", "bufferViews")) {
+        const json *how = meshopt_of(view);
+        mark(how ? is_replaced : is_read, view);
+        if (how)
+            mark(is_read, *how);
+    }
+    for (size_t i = 0; i < buffer_count; ++i)
+        is_replaced[i] = is_replaced[i] && !is_read[i];
+    return is_replaced;
+}
+
 /* Replaces a fallback buffer with one byte. Only readers without meshopt need it; its views are
  * decoded from another buffer. */
-void make_fallback_empty(json &buffer)
+void make_empty(json &buffer)
 {
-    auto extensions = buffer.find("extensions");
-    if (buffer.contains("uri") || extensions == buffer.end() || !extensions->is_object())
-        return;
-    for (const char *name : GLTF_MESHOPT_NAMES)
-        if (extensions->contains(name)) {
-            buffer["uri"] = "data:application/octet-stream;base64,AA==";
-            buffer["byteLength"] = 1;
-        }
+    buffer["uri"] = "data:application/octet-stream;base64,AA==";
+    buffer["byteLength"] = 1;
 }
 
 /* Points the first buffer of a .glb to the BIN chunk, and limits the total size of the buffers. */
@@ -401,8 +430,12 @@ void prepare_buffers(json &document, const gltf_container &container, buffer_fil
     size_t total = 0, index = 0;
     if (buffers == document.end())
         return;
+    const std::vector<bool> is_replaced = find_replaced(document, buffers->size());
+    const bool has_chunk = container.binary.at != container.binary.end;
     for (json &buffer : *buffers) {
-        make_fallback_empty(buffer);
+        bool is_chunk = index == 0 && has_chunk;
+        if (!buffer.contains("uri") && (meshopt_of(buffer) || (is_replaced[index] && !is_chunk)))
+            make_empty(buffer);
         size_t length = buffer.value("byteLength", (size_t)0);
         total += length;
         if (length == 0 || total > BUFFER_BYTES_MAX)

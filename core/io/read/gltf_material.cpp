@@ -1,6 +1,7 @@
 #include "io/read/gltf_material.hpp"
 
 #include <cmath>
+#include <cstdarg>
 #include <cstdlib>
 #include <cstring>
 #include <map>
@@ -73,15 +74,20 @@ std::vector<unsigned char> read_file(const picture_files &from, const std::strin
     return out;
 }
 
+/* The decoder finds out the kind of picture. tinygltf refuses media types that it does not know. */
 std::vector<unsigned char> read_uri(const picture_files &from, const std::string &uri)
 {
     if (uri.rfind("data:", 0) != 0)
         return read_file(from, uri);
+    const std::string mark = ";base64,";
     std::vector<unsigned char> out;
     std::string type;
-    if (uri.size() > MESH_IMAGE_SIZE_MAX * 4 / 3 ||
-        !tinygltf::DecodeDataURI(&out, type, uri, 0, false))
-        gltf_fail(MRT_ERR_UNSUPPORTED, "its data URI is neither PNG nor JPEG");
+    size_t at = uri.substr(0, 256).find(mark);
+    if (at == std::string::npos || uri.size() > MESH_IMAGE_SIZE_MAX * 4 / 3 ||
+        !tinygltf::DecodeDataURI(
+            &out, type, "data:application/octet-stream;base64," + uri.substr(at + mark.size()), 0,
+            false))
+        gltf_fail(MRT_ERR_UNSUPPORTED, "its data URI has no picture in base64");
     return out;
 }
 
@@ -101,6 +107,14 @@ std::vector<unsigned char> read_view(const picture_files &from, int index)
 }
 
 /* ---- materials ---- */
+
+/* Returns n of TEXCOORD_n. */
+template <class Info> int uv_set_of(const Info &info)
+{
+    return (int)gltf_whole(
+        gltf_member(extension(info.extensions, "KHR_texture_transform"), "texCoord"),
+        info.texCoord);
+}
 
 class material_reader
 {
@@ -135,6 +149,13 @@ class material_reader
             read_textures(m, source, index);
         m.name = gltf_clean_name(source.name);
         return m;
+    }
+
+    void note_others()
+    {
+        if (note_count_ > NOTES_MAX)
+            mesh_note(&out_, "%zu more textures of its materials are not drawn",
+                      note_count_ - NOTES_MAX);
     }
 
   private:
@@ -187,35 +208,34 @@ class material_reader
 
     void read_textures(mesh_material &m, const tinygltf::Material &source, size_t index)
     {
-        int uv_set = gltf_material_uv_set(model_, (int)index);
-        const tinygltf::TextureInfo &base = source.pbrMetallicRoughness.baseColorTexture;
-        m.base = read_texture(base.index, base.texCoord, base.extensions, uv_set, source.name);
-        m.normal = read_texture(source.normalTexture.index, source.normalTexture.texCoord,
-                                source.normalTexture.extensions, uv_set, source.name);
+        const tinygltf::PbrMetallicRoughness &rough = source.pbrMetallicRoughness;
+        uv_set_ = gltf_material_uv_set(model_, (int)index);
+        m.base = read_texture(rough.baseColorTexture, "base texture", source.name);
+        m.normal = read_texture(source.normalTexture, "normal map", source.name);
         m.normal_scale = within(source.normalTexture.scale, -10, 10);
-        const tinygltf::TextureInfo &surface = source.pbrMetallicRoughness.metallicRoughnessTexture;
-        m.surface =
-            read_texture(surface.index, surface.texCoord, surface.extensions, uv_set, source.name);
-        m.emission = read_texture(source.emissiveTexture.index, source.emissiveTexture.texCoord,
-                                  source.emissiveTexture.extensions, uv_set, source.name);
+        m.surface = read_texture(rough.metallicRoughnessTexture, "texture of roughness and metal",
+                                 source.name);
+        m.emission = read_texture(source.emissiveTexture, "emission texture", source.name);
     }
 
-    mesh_texture read_texture(int index, int uv_set, const tinygltf::ExtensionMap &extensions,
-                              int material_uv_set, const std::string &material)
+    /* A mesh has one set of texture coordinates: a texture that uses another set is not drawn. */
+    template <class Info>
+    mesh_texture read_texture(const Info &info, const char *what, const std::string &material)
     {
         mesh_texture out = mesh_material_grey().base;
-        if (index < 0)
+        if (info.index < 0)
             return out;
-        if ((size_t)index >= model_.textures.size())
-            gltf_fail(MRT_ERR_FORMAT, "a material names texture %d, but the file has %zu", index,
-                      model_.textures.size());
-        const value &transform = extension(extensions, "KHR_texture_transform");
-        if ((int)gltf_whole(gltf_member(transform, "texCoord"), uv_set) != material_uv_set) {
-            note(material, "one of its textures uses other texture coordinates");
+        if ((size_t)info.index >= model_.textures.size())
+            gltf_fail(MRT_ERR_FORMAT, "a material names texture %d, but the file has %zu",
+                      info.index, model_.textures.size());
+        if (uv_set_of(info) != uv_set_) {
+            note(material,
+                 "its %s is not drawn: it uses texture coordinates %d, the other textures use %d",
+                 what, uv_set_of(info), uv_set_);
             return out;
         }
-        const tinygltf::Texture &texture = model_.textures[(size_t)index];
-        uv_transform(out, transform);
+        const tinygltf::Texture &texture = model_.textures[(size_t)info.index];
+        uv_transform(out, extension(info.extensions, "KHR_texture_transform"));
         set_wrap(out, texture.sampler);
         out.image = image_of(texture, material);
         return out;
@@ -248,12 +268,12 @@ class material_reader
                                  : MESH_WRAP_REPEAT;
     }
 
-    /* Returns the PNG or JPEG of a texture if the file has one. Otherwise returns the picture of an
-     * extension, which is refused by name. */
+    /* Returns the PNG or JPEG of a texture, else its WebP. Otherwise returns the picture of an
+     * extension that is refused by name. */
     uint32_t image_of(const tinygltf::Texture &texture, const std::string &material)
     {
         int64_t source = texture.source;
-        for (const char *name : {"KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif"})
+        for (const char *name : {"EXT_texture_webp", "KHR_texture_basisu", "EXT_texture_avif"})
             if (source < 0)
                 source = gltf_whole(gltf_member(extension(texture.extensions, name), "source"), -1);
         if (source < 0 || (size_t)source >= document_.images.size()) {
@@ -269,9 +289,10 @@ class material_reader
     uint32_t add_image(size_t source)
     {
         const gltf_image &wanted = document_.images[source];
-        std::string name = !wanted.name.empty()                ? wanted.name
-                           : wanted.uri.rfind("data:", 0) == 0 ? ""
-                                                               : wanted.uri;
+        bool has_file = !wanted.uri.empty() && wanted.uri.rfind("data:", 0) != 0;
+        std::string name = !wanted.name.empty() ? wanted.name
+                           : has_file           ? wanted.uri
+                                                : "images[" + std::to_string(source) + "]";
         try {
             error failed = {""};
             uint32_t image = 0;
@@ -292,16 +313,26 @@ class material_reader
         }
     }
 
-    void note(const std::string &material, const char *what)
+    /* Notes what a material has lost; only the number, once there are many notes. */
+    [[gnu::format(printf, 3, 4)]] void note(const std::string &material, const char *format, ...)
     {
-        mesh_note(&out_, "material \"%s\": %s", gltf_printable(material).c_str(), what);
+        char what[256];
+        va_list arguments;
+        va_start(arguments, format);
+        (void)vsnprintf(what, sizeof what, format, arguments);
+        va_end(arguments);
+        if (note_count_++ < NOTES_MAX)
+            mesh_note(&out_, "material \"%s\": %s", gltf_printable(material).c_str(), what);
     }
 
+    static constexpr size_t NOTES_MAX = 16;
     mesh &out_;
     const gltf_document &document_;
     const tinygltf::Model &model_;
     picture_files from_;
     std::map<size_t, uint32_t> known_;
+    int uv_set_ = 0; /* of the material that is read */
+    size_t note_count_ = 0;
 };
 
 } // namespace
@@ -321,15 +352,11 @@ int gltf_material_uv_set(const tinygltf::Model &model, int material)
         return 0;
     const tinygltf::Material &m = model.materials[(size_t)material];
     const tinygltf::TextureInfo &base = m.pbrMetallicRoughness.baseColorTexture;
-    int set = base.index >= 0              ? base.texCoord
-              : m.normalTexture.index >= 0 ? m.normalTexture.texCoord
-                                           : m.emissiveTexture.texCoord;
-    const tinygltf::ExtensionMap &extensions = base.index >= 0 ? base.extensions
-                                               : m.normalTexture.index >= 0
-                                                   ? m.normalTexture.extensions
-                                                   : m.emissiveTexture.extensions;
-    return (int)gltf_whole(gltf_member(extension(extensions, "KHR_texture_transform"), "texCoord"),
-                           set);
+    const tinygltf::TextureInfo &surface = m.pbrMetallicRoughness.metallicRoughnessTexture;
+    return base.index >= 0              ? uv_set_of(base)
+           : m.normalTexture.index >= 0 ? uv_set_of(m.normalTexture)
+           : surface.index >= 0         ? uv_set_of(surface)
+                                        : uv_set_of(m.emissiveTexture);
 }
 
 void gltf_materials(mesh &out, const gltf_document &document, const std::vector<bool> &is_used,
@@ -347,6 +374,7 @@ void gltf_materials(mesh &out, const gltf_document &document, const std::vector<
     material_reader reader(out, document, directory, file_size);
     for (size_t i = 0; i < count; ++i)
         material[i] = reader.read(i, is_used[i]);
+    reader.note_others();
     if (!with_default) {
         free(grey.name);
         out.material_count -= 1;

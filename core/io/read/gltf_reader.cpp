@@ -294,6 +294,10 @@ class geometry_reader
     {
         return unweighted_count_;
     }
+    size_t white_count() const
+    {
+        return white_count_;
+    }
 
   private:
     void read_group(const gltf_mesh_plan &mesh, const gltf_group_plan &group, gltf_skin &skin,
@@ -339,13 +343,18 @@ class geometry_reader
             gltf_accessor accessor(model_, colour);
             width = accessor.component_count();
             std::fill(value.begin(), value.end(), 0.0f);
-            accessor.read_floats(value.data());
+            accessor.read_any_floats(value.data());
         }
-        for (size_t v = 0; v < count; ++v)
+        for (size_t v = 0; v < count; ++v) {
+            const float *row = &value[v * width];
+            bool is_colour =
+                std::all_of(row, row + width, [](float c) { return std::isfinite(c); });
+            white_count_ += !is_colour;
             for (size_t c = 0; c < 4; ++c) {
-                float number = c < width ? value[v * width + c] : 1.0f;
+                float number = c < width && is_colour ? row[c] : 1.0f;
                 to[v * 4 + c] = number > 0.0f ? (number < 1.0f ? number : 1.0f) : 0.0f;
             }
+        }
     }
 
     void read_attribute(const std::string &name, int index, size_t first)
@@ -390,6 +399,7 @@ class geometry_reader
     const tinygltf::Model &model_;
     const gltf_plan &plan_;
     size_t misfit_count_ = 0, unweighted_count_ = 0;
+    size_t white_count_ = 0; /* vertices whose colour is not a number */
 };
 
 bool has_default_weights(const tinygltf::Model &model, const gltf_plan &plan)
@@ -408,6 +418,19 @@ void add_notes(mesh &out, const tinygltf::Model &model, const gltf_plan &plan,
         mesh_note(&out, "the file has no nodes: its meshes are read without transforms");
     if (model.scenes.size() > 1)
         mesh_note(&out, "one of %zu scenes was read", model.scenes.size());
+    if (plan.scene.repeated_count)
+        mesh_note(&out,
+                  "the scene lists %zu nodes twice, or also nodes above them: each is read once",
+                  plan.scene.repeated_count);
+    if (plan.scene.orphan_count)
+        mesh_note(&out,
+                  "%zu nodes of the scene have a parent outside it: its transform is not applied",
+                  plan.scene.orphan_count);
+    if (plan.scene.instanced_count)
+        mesh_note(&out,
+                  "%zu nodes repeat their mesh (EXT_mesh_gpu_instancing): each is read once, its "
+                  "instances are not drawn",
+                  plan.scene.instanced_count);
     if (plan.skeleton.ignored_skin_count)
         mesh_note(&out, "%zu skins were not applied: the scene does not show their joints",
                   plan.skeleton.ignored_skin_count);
@@ -420,6 +443,7 @@ void add_notes(mesh &out, const tinygltf::Model &model, const gltf_plan &plan,
     if (r.misfit_count())
         mesh_note(&out, "%zu custom attributes were skipped: another primitive has another type",
                   r.misfit_count());
+    mesh_build_note_colours(&out, r.white_count());
     mesh_build_note_degenerate(&out);
 }
 

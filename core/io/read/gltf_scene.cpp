@@ -91,7 +91,34 @@ std::vector<int> count_parents(const tinygltf::Model &model)
     return parent_count;
 }
 
-std::vector<int> find_roots(const tinygltf::Model &model)
+/* Marks the nodes below a node, except those below a marked one. */
+void mark_below(std::vector<bool> &is_below, const tinygltf::Model &model, int node)
+{
+    std::vector<int> stack = model.nodes[(size_t)node].children;
+    while (!stack.empty()) {
+        size_t next = (size_t)stack.back();
+        stack.pop_back();
+        if (is_below[next])
+            continue;
+        is_below[next] = true;
+        const std::vector<int> &children = model.nodes[next].children;
+        stack.insert(stack.end(), children.begin(), children.end());
+    }
+}
+
+/* Returns the nodes that the chosen scene lists. */
+const std::vector<int> &listed_nodes(const tinygltf::Model &model)
+{
+    size_t scene = model.defaultScene < 0 ? 0 : (size_t)model.defaultScene;
+    if (scene >= model.scenes.size())
+        gltf_fail(MRT_ERR_FORMAT, "scene %zu does not exist: the file has %zu", scene,
+                  model.scenes.size());
+    return model.scenes[scene].nodes;
+}
+
+/* Returns the nodes of the scene, without those that others of them already contain. Some exporters
+ * list children too. */
+std::vector<int> find_roots(gltf_scene &out, const tinygltf::Model &model)
 {
     std::vector<int> parent_count = count_parents(model), roots;
     if (model.scenes.empty()) {
@@ -100,15 +127,22 @@ std::vector<int> find_roots(const tinygltf::Model &model)
                 roots.push_back((int)i);
         return roots;
     }
-    size_t scene = model.defaultScene < 0 ? 0 : (size_t)model.defaultScene;
-    if (scene >= model.scenes.size())
-        gltf_fail(MRT_ERR_FORMAT, "scene %zu does not exist: the file has %zu", scene,
-                  model.scenes.size());
-    for (int root : model.scenes[scene].nodes) {
-        check_node_index(model, root, "the scene");
-        if (++parent_count[(size_t)root] > 1)
-            gltf_fail(MRT_ERR_FORMAT, "node %d is in the scene twice, or not a root", root);
-        roots.push_back(root);
+    const std::vector<bool> none(model.nodes.size(), false);
+    std::vector<bool> is_below = none, is_walked = none, is_listed = none;
+    for (int node : listed_nodes(model)) {
+        check_node_index(model, node, "the scene");
+        if (!is_below[(size_t)node] && !is_walked[(size_t)node])
+            mark_below(is_below, model, node);
+        is_walked[(size_t)node] = true;
+    }
+    for (int node : listed_nodes(model)) {
+        if (is_below[(size_t)node] || is_listed[(size_t)node]) {
+            out.repeated_count += 1;
+            continue;
+        }
+        is_listed[(size_t)node] = true;
+        out.orphan_count += parent_count[(size_t)node] > 0;
+        roots.push_back(node);
     }
     return roots;
 }
@@ -136,7 +170,7 @@ const std::string &mesh_name(const tinygltf::Model &model, int mesh)
 void add_nodes(gltf_scene &out, const tinygltf::Model &model)
 {
     std::vector<pending_node> stack;
-    push_reversed(stack, find_roots(model), -1, IDENTITY);
+    push_reversed(stack, find_roots(out, model), -1, IDENTITY);
     while (!stack.empty()) {
         pending_node next = stack.back();
         stack.pop_back();
@@ -150,9 +184,21 @@ void add_nodes(gltf_scene &out, const tinygltf::Model &model)
             const std::string &of_mesh = mesh_name(model, node.mesh);
             out.instances.push_back({(size_t)node.mesh, node.name.empty() ? of_mesh : node.name,
                                      world, (size_t)next.index, true, node.skin});
+            out.instanced_count += node.extensions.count("EXT_mesh_gpu_instancing");
         }
         push_reversed(stack, node.children, next.index, world);
     }
+}
+
+/* A listed node that is not below a root is in a loop, or below one. */
+void check_loops(const gltf_scene &of, const tinygltf::Model &model)
+{
+    std::vector<bool> is_placed(model.nodes.size(), false);
+    for (const gltf_world_node &node : of.nodes)
+        is_placed[node.node] = true;
+    for (int node : listed_nodes(model))
+        if (!is_placed[(size_t)node])
+            gltf_fail(MRT_ERR_FORMAT, "node %d is below itself", node);
 }
 
 double determinant(const gltf_transform &t)
@@ -251,10 +297,12 @@ void add_scaled(gltf_transform &sum, const gltf_transform &t, double weight)
 
 gltf_scene gltf_scene_of(const tinygltf::Model &model)
 {
-    gltf_scene out = {{}, {}, !model.nodes.empty()};
+    gltf_scene out = {{}, {}, !model.nodes.empty(), 0, 0, 0};
     if (out.has_nodes)
         add_nodes(out, model);
-    else
+    if (out.repeated_count > 0)
+        check_loops(out, model);
+    if (!out.has_nodes)
         for (size_t i = 0; i < model.meshes.size(); ++i)
             out.instances.push_back({i, model.meshes[i].name, IDENTITY, 0, false, -1});
     return out;

@@ -37,6 +37,9 @@ struct gltf_scene {
     std::vector<gltf_instance> instances; /* in the order of the nodes */
     std::vector<gltf_world_node> nodes;   /* parents first */
     bool has_nodes;                       /* false: each mesh appears once, without a transform */
+    size_t repeated_count;  /* entries of the scene that its other nodes already contain */
+    size_t orphan_count;    /* nodes of the scene with a parent outside it */
+    size_t instanced_count; /* nodes with instances, which are left out */
 };
 
 gltf_scene gltf_scene_of(const tinygltf::Model &model);

@@ -1,11 +1,13 @@
 #include "io/read/mesh_build.h"
 
 #include "base/hash.h"
+#include "base/srgb.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 static const uint32_t UNKNOWN_PART = UINT32_MAX;
 enum { COUNT_MAX = INT32_MAX / 3, LINE_LENGTH_MAX = 1 << 20 };
@@ -104,6 +106,21 @@ mrt_result mesh_text_unexpected(error *err, const char *expected, text_view foun
     char text[48];
     text_copy(text, sizeof text, found);
     return error_set(err, MRT_ERR_FORMAT, "%s was expected, \"%s\" was found", expected, text);
+}
+
+bool mesh_text_is_not_finite(text_view word)
+{
+    static const char *const whole[] = {"nan", "inf", "infinity"}, *const begins[] = {"nan(",
+                                                                                      "1.#"};
+    word.at += word.at < word.end && (*word.at == '-' || *word.at == '+');
+    size_t size = (size_t)(word.end - word.at);
+    for (size_t i = 0; i < sizeof whole / sizeof *whole; ++i)
+        if (size == strlen(whole[i]) && strncasecmp(word.at, whole[i], size) == 0)
+            return true;
+    for (size_t i = 0; i < sizeof begins / sizeof *begins; ++i) /* "nan(ind)", "1.#QNAN" */
+        if (size > strlen(begins[i]) && strncasecmp(word.at, begins[i], strlen(begins[i])) == 0)
+            return true;
+    return false;
 }
 
 mrt_result mesh_text_check_line(text_view line, error *err)
@@ -321,6 +338,24 @@ void mesh_build_unit_normals(mesh *m)
         n[1] = (float)(y / length);
         n[2] = (float)(z / length);
     }
+}
+
+bool mesh_build_colour(float out_rgba[4], const float srgb[3])
+{
+    bool is_colour = isfinite(srgb[0]) && isfinite(srgb[1]) && isfinite(srgb[2]);
+    for (int i = 0; i < 4; ++i) {
+        float coded = i < 3 && is_colour ? srgb[i] : 1.0f;
+        double c = coded > 0.0f ? (coded < 1.0f ? (double)coded : 1.0) : 0.0;
+        out_rgba[i] = (float)srgb_to_linear(c);
+    }
+    return is_colour;
+}
+
+void mesh_build_note_colours(mesh *m, size_t count)
+{
+    if (count)
+        mesh_note(m, "the colours of %zu vertices are not numbers: these vertices are white",
+                  count);
 }
 
 void mesh_build_note_degenerate(mesh *m)

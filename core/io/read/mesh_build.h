@@ -66,10 +66,17 @@ CHECKED mrt_result mesh_build_take(mesh_build *b, mesh *out, error *err);
 void mesh_build_part_ranges(mesh *m);
 /* Makes the normals unit; drops them all, with a note, if one has no direction. */
 void mesh_build_unit_normals(mesh *m);
+/* Converts a colour, sRGB 0..1 as scanners and editors write it, to linear RGBA. A colour that is
+ * not finite becomes white: returns false. */
+bool mesh_build_colour(float out_rgba[4], const float srgb[3]);
+/* Notes the number of vertices that are white because their colour is not a number. */
+void mesh_build_note_colours(mesh *m, size_t count);
 /* Notes the number of triangles that use a vertex twice. */
 void mesh_build_note_degenerate(mesh *m);
 /* Sets the error "EXPECTED was expected, "FOUND" was found" of a text file. */
 mrt_result mesh_text_unexpected(error *err, const char *expected, text_view found);
+/* Returns whether a word is what programs write for NaN or infinity. */
+bool mesh_text_is_not_finite(text_view word);
 /* Refuses a line that is longer than the limit. */
 CHECKED mrt_result mesh_text_check_line(text_view line, error *err);
 /* Adds the prefix "line 3: " to the error. */

@@ -298,12 +298,14 @@ static mrt_result find_by_shape(mesh *m, const mesh_frame *usual, mesh_axis *out
         *out_forward = MESH_AXIS_MINUS_Y;
         return MRT_OK;
     }
-    if (find_left_axis(symmetry, is_prescribed ? 0.3 : 0.1) == 2) {
+    const bool is_card = size[0] < 0.2 * fmin(size[1], size[2]) && symmetry[2] > 0.9;
+    if (is_card || find_left_axis(symmetry, is_prescribed ? 0.3 : 0.1) == 2) {
         *out_forward = relief[0][0] >= relief[0][1] ? MESH_AXIS_X : MESH_AXIS_MINUS_X;
         return MRT_OK;
     }
     if (is_prescribed) {
-        *out_found = false;
+        *out_found = is_even && detail[2] < -0.03 && relief[2][1] > 1.35 * relief[2][0];
+        *out_forward = MESH_AXIS_MINUS_Z;
         return MRT_OK;
     }
     mesh_axis forward;

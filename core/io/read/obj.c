@@ -1,6 +1,6 @@
-/* Wavefront OBJ: reads v, vt, f, o, g, usemtl and mtllib (mtl.h). Normals and smoothing are
- * skipped, and all other statements are counted in a note. Texture coordinates are used only in a
- * file with mtllib. Without it, its vertices are not split. */
+/* Wavefront OBJ: reads v (with colours), vt, f, o, g, usemtl and mtllib (mtl.h). Normals and
+ * smoothing are skipped, and all other statements are counted in a note. Texture coordinates are
+ * used only in a file with mtllib. Without it, its vertices are not split. */
 #include "io/read/mesh_build.h"
 #include "io/read/mtl.h"
 #include "base/file.h"
@@ -10,15 +10,19 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
-enum { NUMBERS_MAX = 7 };
+enum { NUMBERS_MAX = 7, COLOURED = 6 }; /* x y z red green blue */
 
 typedef struct obj_reader {
     mesh_build build;
     float *uv; /* uv_count by 2, as in glTF; NaN: the line is invalid */
     size_t uv_count, uv_capacity;
     size_t lost_count; /* corners with missing coordinates */
+    float *colour;     /* colour_count by 4, linear; the vertices after them have none */
+    size_t colour_count, colour_capacity;
+    size_t coloured_count, unreadable_count; /* vertices with a colour; of them, not a number */
     text_view rest, line;
     uint64_t line_number;
     size_t unknown_count;
@@ -44,6 +48,52 @@ static bool next_word(obj_reader *r, text_view *out_word)
     return false;
 }
 
+/* Sets the colours of all vertices without one to white. */
+static mrt_result fill_colours(obj_reader *r, size_t vertex_count)
+{
+    mrt_result result = mesh_build_grow((void **)&r->colour, &r->colour_capacity, vertex_count,
+                                        4 * sizeof *r->colour, r->err);
+    if (result < 0)
+        return result;
+    for (size_t i = r->colour_count * 4; i < vertex_count * 4; ++i)
+        r->colour[i] = 1.0f;
+    r->colour_count = vertex_count;
+    return MRT_OK;
+}
+
+/* Sets the colour of the last vertex. */
+static mrt_result add_colour(obj_reader *r, const float srgb[3])
+{
+    mrt_result result = fill_colours(r, r->build.vertex_count);
+    if (result < 0)
+        return result;
+    r->coloured_count += 1;
+    if (!mesh_build_colour(r->colour + (r->colour_count - 1) * 4, srgb))
+        r->unreadable_count += 1;
+    return MRT_OK;
+}
+
+/* Gives the mesh its colours. A vertex that was split has the colour of its first version. */
+static mrt_result take_colours(obj_reader *r, size_t vertex_count, mesh *out)
+{
+    if (r->coloured_count == 0)
+        return MRT_OK;
+    mrt_result result = fill_colours(r, vertex_count);
+    if (result < 0)
+        return result;
+    out->colour = malloc((size_t)out->vertex_count * 4 * sizeof *out->colour);
+    if (!out->colour)
+        return error_set(r->err, MRT_ERR_MEMORY, "no memory for the colours");
+    for (uint32_t v = 0; v < out->vertex_count; ++v)
+        memcpy(out->colour + (size_t)v * 4, r->colour + (size_t)mesh_point(out, v) * 4,
+               4 * sizeof *out->colour);
+    if (r->coloured_count < vertex_count)
+        mesh_note(out, "%zu vertices have no colour and are white",
+                  vertex_count - r->coloured_count);
+    mesh_build_note_colours(out, r->unreadable_count);
+    return MRT_OK;
+}
+
 static mrt_result read_vertex(obj_reader *r)
 {
     float number[NUMBERS_MAX];
@@ -53,14 +103,17 @@ static mrt_result read_vertex(obj_reader *r)
         if (count == NUMBERS_MAX)
             return mesh_text_unexpected(
                 r->err, "a vertex of at most 7 numbers (x y z, weight or colour)", word);
-        if (!text_float(word, &number[count]))
+        if (count >= 3 && mesh_text_is_not_finite(word))
+            number[count] = NAN;
+        else if (!text_float(word, &number[count]))
             return mesh_text_unexpected(r->err, "a finite number", word);
         count += 1;
     }
     if (count < 3)
         return error_set(r->err, MRT_ERR_FORMAT, "a vertex has %zu numbers, x y z were expected",
                          count);
-    return mesh_build_vertex(&r->build, number, r->err);
+    mrt_result result = mesh_build_vertex(&r->build, number, r->err);
+    return result == MRT_OK && count >= COLOURED ? add_colour(r, number + 3) : result;
 }
 
 /* Reads "vt u" or "vt u v" and ignores further numbers. An invalid one loses only its texture
@@ -82,18 +135,17 @@ static mrt_result read_uv(obj_reader *r)
     return MRT_OK;
 }
 
-/* Parses v, v/vt, v//vn or v/vt/vn. vn must be a number, but is not used. out_uv: 0: none. */
+/* Parses v, v/vt, v//vn or v/vt/vn; vt and vn may be empty. vn must be a number, but is not used.
+ * out_uv: 0: none. */
 static bool parse_corner(text_view word, int64_t *out_index, int64_t *out_uv)
 {
     text_view field;
     int64_t number[2] = {0, 0};
     if (!text_next_field(&word, '/', &field) || !text_int(field, out_index))
         return false;
-    for (int i = 0; i < 2 && text_next_field(&word, '/', &field); ++i) {
-        bool may_be_empty = i == 0 && word.at;
-        if (field.at == field.end ? !may_be_empty : !text_int(field, &number[i]))
+    for (int i = 0; i < 2 && text_next_field(&word, '/', &field); ++i)
+        if (field.at < field.end && !text_int(field, &number[i]))
             return false;
-    }
     *out_uv = number[0];
     return !word.at;
 }
@@ -227,12 +279,17 @@ mrt_result obj_parse(mesh *out, const void *data, size_t size, const char *direc
     const bool has_looks = next_library(&search, &names);
     r.build.keeps_uv = has_looks && vertices == MESH_VERTICES_ALL;
     mrt_result result = read_statements(&r);
+    const size_t vertex_count = r.build.vertex_count;
     free(r.uv);
     if (result < 0) {
         mesh_build_finish(&r.build);
+        free(r.colour);
         return result;
     }
     result = mesh_build_take(&r.build, out, err);
+    if (result == MRT_OK)
+        result = take_colours(&r, vertex_count, out);
+    free(r.colour);
     if (result == MRT_OK && r.unknown_count)
         mesh_note(out, "%zu statements were skipped, the first is \"%s\"", r.unknown_count,
                   r.unknown);

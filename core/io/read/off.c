@@ -1,8 +1,9 @@
 /* Geomview OFF as text: [ST][C][N]OFF. Normals are kept; colours and texture coordinates are
- * checked to be numbers and skipped. */
+ * checked to be numbers and skipped. A face may run over several lines. */
 #include "io/read/mesh_build.h"
 #include "io/mesh_file.h"
 
+#include <stdio.h>
 #include <string.h>
 
 enum { VERTEX_BYTES_MIN = 5, FACE_BYTES_MIN = 7 };
@@ -93,7 +94,8 @@ static mrt_result read_vertex(off_reader *r)
         return result;
     for (; text_next_word(&r->line, &word); ++found) {
         float ignored;
-        if (!text_float(word, found < needed ? &number[found] : &ignored))
+        bool is_colour = found >= needed && mesh_text_is_not_finite(word);
+        if (!is_colour && !text_float(word, found < needed ? &number[found] : &ignored))
             return mesh_text_unexpected(r->err, "a finite number", word);
     }
     if (found < needed)
@@ -102,6 +104,20 @@ static mrt_result read_vertex(off_reader *r)
     result = mesh_build_vertex(&r->build, number, r->err);
     if (result == MRT_OK && r->has_normals)
         result = mesh_build_normal(&r->build, number + 3, r->err);
+    return result;
+}
+
+/* Reads the next word of a face, which may run over several lines. */
+static mrt_result next_corner(off_reader *r, text_view *out_word, int64_t corner, int64_t count)
+{
+    char expected[80];
+    if (text_next_word(&r->line, out_word))
+        return MRT_OK;
+    (void)snprintf(expected, sizeof expected, "corner %lld of a face of %lld",
+                   (long long)corner + 1, (long long)count);
+    mrt_result result = next_line(r, expected);
+    if (result == MRT_OK)
+        (void)text_next_word(&r->line, out_word); /* the line is not empty */
     return result;
 }
 
@@ -116,9 +132,9 @@ static mrt_result read_face(off_reader *r)
     if (!text_next_word(&r->line, &word) || !text_int(word, &corner_count) || corner_count < 0)
         return mesh_text_unexpected(r->err, "the number of corners", word);
     for (int64_t i = 0; i < corner_count; ++i) {
-        if (!text_next_word(&r->line, &word))
-            return error_set(r->err, MRT_ERR_FORMAT, "a face of %lld corners lists %lld",
-                             (long long)corner_count, (long long)i);
+        result = next_corner(r, &word, i, corner_count);
+        if (result < 0)
+            return result;
         if (!text_int(word, &vertex))
             return mesh_text_unexpected(r->err, "a vertex index", word);
         result = mesh_build_corner(&r->build, vertex, r->err);
@@ -126,7 +142,7 @@ static mrt_result read_face(off_reader *r)
             return result;
     }
     while (text_next_word(&r->line, &word))
-        if (!text_float(word, &ignored))
+        if (!text_float(word, &ignored) && !mesh_text_is_not_finite(word))
             return mesh_text_unexpected(r->err, "a colour", word);
     return mesh_build_face(&r->build, r->err);
 }

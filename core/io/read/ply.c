@@ -1,8 +1,8 @@
 /* Stanford PLY, text and binary of either byte order: x y z, normals, colours, faces and triangle
- * strips. Other floating-point properties of the vertices become attributes with the same name. */
+ * strips, in any order. Lines may end with \r alone, as on old Macs. Other floating-point
+ * properties of the vertices become attributes with the same name. */
 #include "io/read/mesh_build.h"
 
-#include "base/srgb.h"
 #include "io/mesh_file.h"
 
 #include <math.h>
@@ -44,9 +44,20 @@ typedef struct ply_header {
     ply_property property[PLY_PROPERTIES_MAX];
     uint32_t element_count, property_count;
     uint64_t line_count;
+    char line_end; /* '\n', or '\r' where no '\n' follows it */
 } ply_header;
 
 /* ---- the header: every count in it is checked against the bytes that follow ---- */
+
+static bool next_line_until(char line_end, text_view *rest, text_view *out_line)
+{
+    if (line_end == '\n' || rest->at == rest->end)
+        return text_next_line(rest, out_line);
+    const char *stop = memchr(rest->at, line_end, (size_t)(rest->end - rest->at));
+    *out_line = (text_view){rest->at, stop ? stop : rest->end};
+    rest->at = stop ? stop + 1 : rest->end;
+    return true;
+}
 
 static size_t ply_type_size(ply_type type)
 {
@@ -192,11 +203,13 @@ static mrt_result read_header_lines(ply_header *h, text_view *rest, error *err)
     text_view line;
     bool end = false, has_format = false;
     h->line_count = 1;
-    if (!text_next_line(rest, &line) || !text_equals(text_trim(line), "ply"))
+    h->line_end =
+        rest->end - rest->at > 4 && rest->at[3] == '\r' && rest->at[4] != '\n' ? '\r' : '\n';
+    if (!next_line_until(h->line_end, rest, &line) || !text_equals(text_trim(line), "ply"))
         return error_set(err, MRT_ERR_FORMAT, "\"ply\" was expected");
     while (!end) {
         h->line_count += 1;
-        if (!text_next_line(rest, &line))
+        if (!next_line_until(h->line_end, rest, &line))
             return error_set(err, MRT_ERR_FORMAT, "the file ends before end_header");
         mrt_result result = read_header_line(h, line, &end, &has_format, err);
         if (result < 0)
@@ -204,6 +217,8 @@ static mrt_result read_header_lines(ply_header *h, text_view *rest, error *err)
     }
     if (!has_format)
         return error_set(err, MRT_ERR_FORMAT, "the header has no format line");
+    if (rest->at < rest->end && memchr(rest->at, '\n', (size_t)(rest->end - rest->at)))
+        h->line_end = '\n'; /* a text body may have other lines than the header */
     return check_counts(h, (size_t)(rest->end - rest->at), err);
 }
 
@@ -241,7 +256,7 @@ typedef struct ply_reader {
     size_t attribute_capacity;
     float colour_full; /* maximum of integer colours; 1: floating-point colours */
     float *colour;     /* vertex by 4, linear */
-    size_t colour_capacity;
+    size_t colour_capacity, unreadable_count; /* unreadable: colours that are not numbers */
     error *err;
 } ply_reader;
 
@@ -250,7 +265,7 @@ static mrt_result next_line(ply_reader *r)
     if (r->header.format != PLY_ASCII)
         return MRT_OK;
     do {
-        if (!text_next_line(&r->rest, &r->line))
+        if (!next_line_until(r->header.line_end, &r->rest, &r->line))
             return error_set(r->err, MRT_ERR_FORMAT, "the file ends too early");
         r->line_number += 1;
         mrt_result result = mesh_text_check_line(r->line, r->err);
@@ -268,6 +283,7 @@ static mrt_result end_line(const ply_reader *r)
     return MRT_OK;
 }
 
+/* The result may be NaN if the type is floating-point. */
 static mrt_result read_text(ply_reader *r, ply_type type, double *out)
 {
     static const double low[] = {0, -128, 0, -32768, 0, -2147483648.0, 0};
@@ -278,6 +294,10 @@ static mrt_result read_text(ply_reader *r, ply_type type, double *out)
         return error_set(r->err, MRT_ERR_FORMAT, "fewer values than properties");
     if (type >= PLY_FLOAT32 && text_double(word, out))
         return MRT_OK;
+    if (type >= PLY_FLOAT32 && mesh_text_is_not_finite(word)) {
+        *out = (double)NAN;
+        return MRT_OK;
+    }
     if (type < PLY_FLOAT32 && text_int(word, &whole) && (double)whole >= low[type] &&
         (double)whole <= high[type]) {
         *out = (double)whole;
@@ -422,17 +442,11 @@ static mrt_result read_vertex_values(ply_reader *r, const ply_element *e, float 
         if (result < 0)
             return result;
         value[r->role[i]] = (float)number;
-        if (!isfinite(value[r->role[i]]))
+        bool is_colour = r->role[i] >= ROLE_RED && r->role[i] < ROLE_ATTRIBUTE;
+        if (!is_colour && !isfinite(value[r->role[i]]))
             return error_set(r->err, MRT_ERR_FORMAT, "\"%s\" is not finite", property->name);
     }
     return MRT_OK;
-}
-
-/* Converts an sRGB value to linear. Scanners and editors write colours in sRGB. */
-static float linear_of_srgb(float coded)
-{
-    double c = coded > 0.0f ? (coded < 1.0f ? (double)coded : 1.0) : 0.0;
-    return (float)srgb_to_linear(c);
 }
 
 static mrt_result add_colour(ply_reader *r, const float rgb[3])
@@ -440,9 +454,13 @@ static mrt_result add_colour(ply_reader *r, const float rgb[3])
     size_t used = (r->build.vertex_count - 1) * 4;
     mrt_result result = mesh_build_grow((void **)&r->colour, &r->colour_capacity, used + 4,
                                         sizeof *r->colour, r->err);
-    for (size_t i = 0; result == MRT_OK && i < 4; ++i)
-        r->colour[used + i] = i < 3 ? linear_of_srgb(rgb[i] / r->colour_full) : 1.0f;
-    return result;
+    if (result < 0)
+        return result;
+    const float srgb[3] = {rgb[0] / r->colour_full, rgb[1] / r->colour_full,
+                           rgb[2] / r->colour_full};
+    if (!mesh_build_colour(r->colour + used, srgb))
+        r->unreadable_count += 1;
+    return MRT_OK;
 }
 
 static mrt_result read_vertex(ply_reader *r, const ply_element *e)
@@ -591,22 +609,35 @@ static mrt_result read_elements(ply_reader *r, const ply_element *e,
     return MRT_OK;
 }
 
-static mrt_result read_body(ply_reader *r)
+static bool is_vertices(const ply_element *e)
+{
+    return strcmp(e->name, "vertex") == 0;
+}
+
+static bool is_faces(const ply_element *e)
+{
+    return strcmp(e->name, "face") == 0;
+}
+
+typedef enum ply_pass { PASS_ALL = 0, PASS_VERTICES, PASS_SURFACE } ply_pass;
+
+/* Reads the elements of the pass and skips the others. */
+static mrt_result read_pass(ply_reader *r, ply_pass pass)
 {
     bool has_vertices = false;
     for (uint32_t i = 0; i < r->header.element_count; ++i) {
         const ply_element *e = &r->header.element[i];
         mrt_result result;
-        if (strcmp(e->name, "vertex") == 0) {
+        if (is_vertices(e) && pass != PASS_SURFACE) {
             if (has_vertices)
                 return error_set(r->err, MRT_ERR_FORMAT, "element \"vertex\" appears twice");
             has_vertices = true;
             result = assign_roles(r, e);
             if (result == MRT_OK)
                 result = read_elements(r, e, read_vertex);
-        } else if (strcmp(e->name, "face") == 0) {
+        } else if (is_faces(e) && pass != PASS_VERTICES) {
             result = read_elements(r, e, read_face);
-        } else if (is_strips(e)) {
+        } else if (is_strips(e) && pass != PASS_VERTICES) {
             result = read_elements(r, e, read_strip_element);
         } else {
             result = read_elements(r, e, skip_element);
@@ -615,6 +646,29 @@ static mrt_result read_body(ply_reader *r)
             return result;
     }
     return MRT_OK;
+}
+
+static bool has_surface_before_vertices(const ply_header *h)
+{
+    bool has_surface = false;
+    for (uint32_t i = 0; i < h->element_count && !is_vertices(&h->element[i]); ++i)
+        has_surface = has_surface || is_faces(&h->element[i]) || is_strips(&h->element[i]);
+    return has_surface;
+}
+
+/* Faces before the vertices are read in a second pass, when the number of vertices is known. */
+static mrt_result read_body(ply_reader *r)
+{
+    if (!has_surface_before_vertices(&r->header))
+        return read_pass(r, PASS_ALL);
+    const text_view body = r->rest;
+    const uint64_t line_number = r->line_number;
+    mrt_result result = read_pass(r, PASS_VERTICES);
+    if (result < 0)
+        return result;
+    r->rest = body;
+    r->line_number = line_number;
+    return read_pass(r, PASS_SURFACE);
 }
 
 static mrt_result take_attributes(const ply_reader *r, mesh *out)
@@ -641,14 +695,14 @@ static mrt_result take_attributes(const ply_reader *r, mesh *out)
 static void note_what_was_not_read(const ply_reader *r, mesh *out)
 {
     for (uint32_t i = 0; i < r->header.element_count; ++i) {
-        const char *name = r->header.element[i].name;
-        if (strcmp(name, "vertex") != 0 && strcmp(name, "face") != 0 &&
-            !is_strips(&r->header.element[i]))
-            mesh_note(out, "element \"%s\" was skipped", name);
+        const ply_element *e = &r->header.element[i];
+        if (!is_vertices(e) && !is_faces(e) && !is_strips(e))
+            mesh_note(out, "element \"%s\" was skipped", e->name);
     }
     if (r->passed_over_count)
         mesh_note(out, "%u vertex properties that are not floating-point numbers were skipped",
                   r->passed_over_count);
+    mesh_build_note_colours(out, r->unreadable_count);
     if (text_trim(r->rest).at != r->rest.end)
         mesh_note(out, "data after the last element was skipped");
 }

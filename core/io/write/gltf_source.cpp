@@ -103,6 +103,9 @@ const char *media_type(const file_bytes &image)
     const auto *byte = static_cast<const unsigned char *>(image.data);
     if (image.size > 8 && std::memcmp(byte, "\x89PNG", 4) == 0)
         return "image/png";
+    if (image.size > 12 && std::memcmp(byte, "RIFF", 4) == 0 &&
+        std::memcmp(byte + 8, "WEBP", 4) == 0)
+        return "image/webp";
     return image.size > 3 && byte[0] == 0xFF && byte[1] == 0xD8 ? "image/jpeg" : nullptr;
 }
 

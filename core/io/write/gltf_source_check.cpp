@@ -100,6 +100,7 @@ const index_rule INDICES[] = {
     {"/nodes/#/mesh", "meshes"},
     {"/nodes/#/skin", "skins"},
     {"/nodes/#/camera", "cameras"},
+    {"/nodes/#/extensions/EXT_mesh_gpu_instancing/attributes/*", "accessors"},
     {"/skins/#/joints/#", "nodes"},
     {"/skins/#/skeleton", "nodes"},
     {"/skins/#/inverseBindMatrices", "accessors"},

@@ -187,6 +187,11 @@ static bool accepts_any_joined(const composer *self, bool (*accepts)(const part_
     return !accepts;
 }
 
+static bool is_at(vec3 a, vec3 b)
+{
+    return a.x >= b.x && a.x <= b.x && a.y >= b.y && a.y <= b.y && a.z >= b.z && a.z <= b.z;
+}
+
 /* Computes the target of each control of the engagement: 3 * control_count values, mm. The target
  * is an offset from the start where rides[k], as face_ride then adds the motion of the bones.
  * Otherwise it is a position. `accepts` selects the parts whose pulls are blended; NULL: all. */
@@ -224,7 +229,8 @@ static void blend_ends(const composer *self, bool (*accepts)(const part_state *v
         const part_state *v = &self->state[c->slot];
         vec3 position = c->start;
         if (v->is_joined && !v->part.is_pointer && at[k].parts == 1 && is_one(v->share) &&
-            (!accepts || accepts(v))) {
+            (!accepts || accepts(v)) &&
+            is_at(position, vec3_of(v->joined.vector[c->vector].start))) {
             /* use the end itself, because start + (end - start) would round */
             position = vec3_of(v->joined.vector[c->vector].end);
             memset(end + 3 * k, 0, 3 * sizeof *end);
@@ -553,16 +559,36 @@ static void forget_held(composer *self)
 
 /* ---- the engagement's controls ---- */
 
+/* Where all points of the mappings are on hair, hats or other parts that cannot be pulled, each
+ * grips the nearest skin that can, at a distance from the others: a performance must move the face.
+ */
+static void move_to_skin(const composer *self, holds *h, double apart_mm)
+{
+    vec3 taken[MRT_MAX_VECTORS];
+    uint32_t count = 0;
+    for (uint32_t k = 0; k < h->count; ++k)
+        if (h->control[k].contact > 0 || self->state[h->control[k].slot].part.is_pointer ||
+            face_can_grip(self->face, h->control[k].start))
+            return;
+    for (uint32_t k = 0; k < h->count; ++k)
+        if (face_movable_near(self->face, h->control[k].start, taken, count, apart_mm,
+                              &taken[count])) {
+            h->control[k].start = taken[count];
+            count += 1;
+        }
+}
+
 static void engage(composer *self, holds *h)
 {
     error err = {""};
     face_control grip[MRT_MAX_VECTORS];
     float radius_mm = joined_radius_mm(self);
     csrbf_settings settings = settings_of(self, radius_mm, joined_solver_pull(self));
-    for (uint32_t k = 0; k < h->count; ++k) {
+    for (uint32_t k = 0; k < h->count; ++k)
         h->control[k].start = start_of(self, &h->control[k]);
+    move_to_skin(self, h, 0.2 * settings.radius);
+    for (uint32_t k = 0; k < h->count; ++k)
         grip[k] = (face_control){h->control[k].start, h->control[k].contact};
-    }
     if (face_engage(self->face, &settings, grip, h->count, &err) < 0) {
         self->counts.held_pulls += 1;
         note_problem(self, err.text);

@@ -810,8 +810,8 @@ static void try_cut(drafting *self)
 {
     error ignored;
     const face_file *file = &self->file;
-    if (rig_draft_mouth(&self->chain, &self->chain_count, &file->mesh, &file->topology, &ignored) <
-        0)
+    if (rig_draft_mouth(&self->chain, &self->chain_count, NULL, &file->mesh, &file->topology,
+                        &ignored) < 0)
         self->chain = NULL;
     if (!self->chain ||
         face_file_cut_mouth(&self->file, self->chain, self->chain_count, &ignored) >= 0)
