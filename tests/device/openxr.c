@@ -226,7 +226,7 @@ static void a_runtime_that_fails_is_started_again(void **state)
     static const struct {
         const char *mode, *text;
     } row[] = {{"loss", "ended the session"},
-               {"crash", "has crashed (Segmentation fault)"},
+               {"crash", "crashed (Segmentation fault)"},
                {"end", "(code 7)"},
                {"hang", "hangs"}};
     for (int i = 0; i < 4; ++i) {

@@ -186,7 +186,7 @@ static void a_second_pedal_begins_where_the_first_ends(void **state)
     assert_int_equal(channels[0].semantic, MRT_CH_PEDAL + 3);
     assert_int_equal(channels[1].semantic, MRT_CH_OTHER); /* 4 is taken */
     assert_int_equal(channels[2].semantic, MRT_CH_OTHER); /* 5 does not exist */
-    assert_true(bench_has_said(&bench, "set switch_2"));
+    assert_true(bench_has_said(&bench, "Set switch_2"));
     bench.params[BENCH_FIRST] = 1;
     bench_expect(&bench, 0, 0, 0);
     assert_int_equal(bench.restart_count, 1);

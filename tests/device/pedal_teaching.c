@@ -46,7 +46,7 @@ static void begin(pedal_bench *bench)
     bench_forget(bench);
     bench->params[BENCH_LEARN] = 1;
     read_until(bench, "learn: take your feet off");
-    read_until(bench, "learn: press switch 1");
+    read_until(bench, "learn: press and release switch 1");
 }
 
 static void teach_two(pedal_bench *bench, pedal_unit *unit)
@@ -54,10 +54,10 @@ static void teach_two(pedal_bench *bench, pedal_unit *unit)
     begin(bench);
     REPORT(unit, 9, 0, 0x10, 0);
     REPORT(unit, 9, 0, 0, 0);
-    read_until(bench, "press switch 2");
+    read_until(bench, "press and release switch 2");
     REPORT(unit, 9, 0, 0x01, 0);
     REPORT(unit, 9, 0, 0, 0);
-    read_until(bench, "press switch 3");
+    read_until(bench, "press and release switch 3");
     REPORT(unit, 9, 0, 0x10, 0);
     REPORT(unit, 9, 0, 0, 0);
     read_until(bench, "learn: done: 2 switches of Foot Controller");
@@ -129,8 +129,8 @@ static void a_keyboard_pedal_with_other_keys_is_taught(void **state)
     bench_expect(&bench, 0, 0, 0);
     begin(&bench);
     static const uint8_t keys[] = {0x3a, 0x3b, 0x3c, 0x3a}; /* F1 F2 F3, F1 again */
-    static const char *const news[] = {"press switch 2", "press switch 3", "press switch 4",
-                                       "learn: done: 3"};
+    static const char *const news[] = {"press and release switch 2", "press and release switch 3",
+                                       "press and release switch 4", "learn: done: 3"};
     for (int i = 0; i < 4; ++i) {
         REPORT(unit, 1, 2, 0, keys[i], 0, 0, 0, 0); /* with shift: the key says more */
         REPORT(unit, 1, 0, 0, 0, 0, 0, 0, 0);

@@ -309,7 +309,7 @@ static void addresses_that_name_nothing_are_refused(void **state)
     pedal_bench bench;
     bench_create(&bench);
     open_fails(&bench, "", MRT_ERR_IO, "no known pedal found");
-    open_fails(&bench, "usb:1-7", MRT_ERR_IO, "socket usb:1-7");
+    open_fails(&bench, "usb:1-7", MRT_ERR_IO, "found at usb:1-7");
     open_fails(&bench, "usb:05f3:00ff", MRT_ERR_IO, "no device usb:05f3:00ff");
     open_fails(&bench, "/dev/hidraw0", MRT_ERR_ARGUMENT, "usb:1-2.3");
     mrt_sample sample;

@@ -94,7 +94,7 @@ bad() { # words connection
 }
 bad '$.connections[0].from: expected an object' '{"to": {"dof": "jaw.open"}}'
 bad '$.connections[0].from.channel: is missing' '{"from": {}, "to": {"dof": "jaw.open"}}'
-bad '"gamma" is not known' '{"from": {"channel": "x"}, "to": {"dof": "jaw.open"}, "gamma": 1}'
+bad 'unknown key "gamma"' '{"from": {"channel": "x"}, "to": {"dof": "jaw.open"}, "gamma": 1}'
 bad 'smooth_s: is not within 0 and 10' '{"from": {"channel": "x"}, "to": {"dof": "jaw.open"}, "smooth_s": 11}'
 bad 'to: expected one of' '{"from": {"channel": "x"}, "to": {"dof": "jaw.open", "pose": "joy"}}'
 bad 'in: is not two ascending' '{"from": {"channel": "x"}, "to": {"dof": "jaw.open"}, "in": [1, 0]}'

@@ -759,7 +759,7 @@ static void a_second_program_that_is_the_same_device_waits_for_the_first(void **
     wait_for_state(&s, 0, OUTPUT_SENDS);
     add(&s, path, port, "");
     wait_for_state(&s, 1, OUTPUT_FAILED);
-    assert_non_null(strstr(status_of(&s, 1).trouble, "choose subject=2"));
+    assert_non_null(strstr(status_of(&s, 1).trouble, "set subject=2"));
     add(&s, path, port, "subject=2");
     wait_for_state(&s, 2, OUTPUT_SENDS);
     outputs_remove(s.outputs, 0);

@@ -408,7 +408,7 @@ static void rims_that_are_none_are_named_and_the_face_performs(void **state)
                  {double_vertex, "are the same point"},
                  {share_vertex, "are the same point"},
                  {close_ring, "upper["},
-                 {name_stranger, "but the mesh has"},
+                 {name_stranger, "does not exist, the mesh has"},
                  {name_an_eye, "another piece of surface"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         rig_findings findings = {0};

@@ -416,7 +416,7 @@ static void mouths_of_a_wrong_type_are_named(void **state)
         {"{\"upper\": [1, 2, 99999999999999], \"lower\": [1, 5, 3]}", "$.mouth.upper[2]"},
         {"{\"upper\": [1, 2, 4000000000], \"lower\": [1, 5, 3]}",
          "a vertex number of the mesh file"},
-        {"{\"upper\": [1, 2, 400000], \"lower\": [1, 5, 3]}", "but the mesh has"},
+        {"{\"upper\": [1, 2, 400000], \"lower\": [1, 5, 3]}", "does not exist, the mesh has"},
         {"{\"upper\": [1, 2, 3], \"lower\": [1, 5, 3], \"upper_share\": 2}", "upper_share"},
         {"{\"upper\": [1, 2, 3], \"lower\": [1, 5, 3], \"stickiness_mm\": -1}", "stickiness_mm"},
         {"{\"upper\": [1, 2, 3], \"lower\": [1, 5, 3], \"seal_from\": \"left\"}",

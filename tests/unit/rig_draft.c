@@ -811,7 +811,7 @@ static void a_mesh_of_millions_is_refused_before_the_work(void **state)
     assert_int_equal(mesh_create(&m, 2500000, 1, &err), MRT_OK);
     assert_int_equal(rig_draft_make(&r, &confirm, &m, &t, "scan.ply", NULL, 0, &err),
                      MRT_ERR_UNSUPPORTED);
-    assert_non_null(strstr(err.text, "scan.ply: it has 2500000 vertices"));
+    assert_non_null(strstr(err.text, "scan.ply: has 2500000 vertices"));
     mesh_destroy(&m);
 }
 

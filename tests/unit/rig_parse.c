@@ -210,7 +210,7 @@ static void wrong_regions_are_refused(void **state)
     assert_refused("\"regions\": [{\"mobility\": 1, \"select\": {}}]", "$.regions[0].select",
                    "one of vertices, group");
     assert_refused("\"regions\": [{\"mobility\": 1, \"select\": {\"group\": \"a\", \"box\": 1}}]",
-                   "$.regions[0].select", "join them");
+                   "$.regions[0].select", "combine them with");
     assert_refused("\"regions\": [{\"mobility\": 1, \"select\": {\"vertices\": [\"9-2\"]}}]",
                    "$.regions[0].select.vertices[0]", "a range like");
     assert_refused("\"regions\": [{\"mobility\": 1, \"select\": {\"vertices\": [-4]}}]",

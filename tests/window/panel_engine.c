@@ -44,7 +44,7 @@ static void it_shows_times_and_what_they_mean(void **state)
         s.view.penetration_mm = 0.12;
         s.view.min_determinant = 0.63;
         stand_settle(&s);
-        assert_true(stand_shows(&s, "stretches more, or folds"));
+        assert_true(stand_shows(&s, "nothing folds"));
         assert_true(stand_shows(&s, "p99 18.4 ms"));
         assert_true(stand_shows(&s, "12.1 ms"));
         assert_non_null(stand_word(&s, "Instructions"));
