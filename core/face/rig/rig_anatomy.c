@@ -426,7 +426,10 @@ static int find_neck_of_figure(const rig_anatomy *a, const mesh *m, vec3 low, ve
     const bool is_narrow = __builtin_popcountll(covered[neck][0]) * 10 <
                            __builtin_popcountll(covered[head][0]) * 8; /* also from the front */
     const bool is_thin = is_narrow && thick[neck] < 0.55 * thick[head] && thick[neck] < 0.7 * body;
-    return is_thin && body > 0.4 * thick[head] && 10 * (ROWS - neck) > 4 * ROWS ? neck : -1;
+    return is_thin && body > 0.4 * thick[head] && 10 * (ROWS - neck) > 4 * ROWS &&
+                   10 * neck > 4 * ROWS
+               ? neck
+               : -1;
 }
 
 static double size_of(const anatomy_piece *p)
