@@ -76,5 +76,5 @@ mrt_result topology_copy(topology *out, const topology *t, error *err)
     if (!c.failed)
         return MRT_OK;
     topology_destroy(out);
-    return error_set(err, MRT_ERR_MEMORY, "no memory for a copy of the mesh");
+    return error_set(err, MRT_ERR_MEMORY, "no memory for the topology of the mesh");
 }

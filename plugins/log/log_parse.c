@@ -792,9 +792,9 @@ static mrt_result read_regular(log_file *out, int descriptor, char *out_reason)
     if (fstat(descriptor, &status) < 0)
         return refuse(out_reason, MRT_ERR_IO, strerror(errno));
     if (S_ISDIR(status.st_mode))
-        return refuse(out_reason, MRT_ERR_IO, "it is a directory, a log is a file");
+        return refuse(out_reason, MRT_ERR_IO, "it is a directory; a recording is a file");
     if (!S_ISREG(status.st_mode))
-        return refuse(out_reason, MRT_ERR_IO, "it is a device or a pipe, a log is a file");
+        return refuse(out_reason, MRT_ERR_IO, "it is a device or a pipe; a recording is a file");
     if (status.st_size < 0 || (uint64_t)status.st_size > SIZE_MAX_BYTES) {
         snprintf(out_reason, LOG_REASON, "it is larger than %d MiB: split it", LOG_FILE_MAX_MIB);
         return MRT_ERR_UNSUPPORTED;

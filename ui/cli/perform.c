@@ -979,8 +979,8 @@ static mrt_result find_columns(curve_performance *self, error *err)
         result = find_column(self, solver[i].column, solver[i].name, err);
     if (result >= 0 && found == 0)
         result = error_set(err, MRT_ERR_FORMAT,
-                           "%s: no column is a degree of freedom or contact of %s, such as "
-                           "\"%s\"",
+                           "%s: no column fits %s. A column is named after a degree of freedom, a "
+                           "contact or a free point, for example \"%s\"",
                            self->options->curves, self->options->face,
                            about->dof_count > 0 ? about->dofs[0].name : "control1.start.x");
     return result;

@@ -124,7 +124,8 @@ typedef struct live_pulse { /* statistics of the frame thread */
 typedef struct live_stage { /* owned by the frame thread; by [main] while a command runs or after
                                the thread has ended */
     player_loop *loop;
-    stage_frame frame; /* of each step and of each published face; its time until the last face */
+    stage_frame frame; /* of each step and of each published face; its phase times are summed since
+                          the last published face */
     live_scene *scene;
     live_mapping_role *role;
     reload *reload;     /* of the role; NULL: the file is not watched */

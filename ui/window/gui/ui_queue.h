@@ -29,8 +29,8 @@ void ui_queue_init(ui_queue *self);
  * and buttons go up. */
 void ui_queue_push(ui_queue *self, const ui_event *event);
 bool ui_queue_is_empty(const ui_queue *self);
-/* Fills the input of the next frame: held keys stay held, and values of a single frame are cleared.
- */
+/* Clears what `input` has for one frame only, then moves events from the queue into it. Held keys
+ * stay held. An event that must wait for another frame stays in the queue. */
 void ui_queue_take(ui_queue *self, ui_frame_input *input);
 /* A frame in which nothing happens but that time passes: the queue waits. */
 void ui_queue_pass(ui_frame_input *input);

@@ -681,14 +681,16 @@ static void draw_summary(const rig_work *work, const rig *r, bool is_laid, ui *o
     }
     if (errors > 0)
         (void)snprintf(text, sizeof text,
-                       "%u errors to fix. The stage still uses the previous rig.", errors);
+                       "%u error%s to fix. The stage still uses the previous rig.", errors,
+                       errors == 1 ? "" : "s");
     else if (r->contact_count == 0)
         (void)snprintf(text, sizeof text,
                        "No face was found in the mesh. Perform it as clay, or add contacts.");
     else if (warnings > 0)
-        (void)snprintf(text, sizeof text, "Ready, %u warnings.", warnings);
+        (void)snprintf(text, sizeof text, "Ready, %u warning%s.", warnings,
+                       warnings == 1 ? "" : "s");
     else if (notes > 0)
-        (void)snprintf(text, sizeof text, "Ready, %u notes.", notes);
+        (void)snprintf(text, sizeof text, "Ready, %u note%s.", notes, notes == 1 ? "" : "s");
     else
         (void)snprintf(text, sizeof text, "Ready, no problems found.");
     ui_text_wrapped(on, errors ? UI_STYLE_BAD : warnings ? UI_STYLE_WARNING : UI_STYLE_GOOD, text);
