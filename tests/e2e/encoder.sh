@@ -4,7 +4,7 @@
 source "$(dirname "$0")/lib.sh"
 cd "$scratch" || exit 1
 export=("$MAROTTE" take export s.marotte 1 --size 160x90 --export)
-large=("$MAROTTE" take export s.marotte 1 --size 640x360 --export) # 50 KB
+large=("$MAROTTE" take export s.marotte 1 --out 1 --size 640x360 --export) # 20 KB
 
 "$MAROTTE" perform --face moai --input "log:$demo,start=1.2,end=4" --map anchored --record s.marotte >said 2>&1 ||
     fail "record: $(cat said)"
@@ -41,7 +41,7 @@ if command -v ffmpeg >/dev/null; then
     fake "trap '' XFSZ; ulimit -f 8; exec $(command -v ffmpeg) \"\$@\"" # 8 KB a file
     refused 1 'out/a.mp4: out/ takes no file of this size' "${faked[@]}" "${large[@]}" out/a.mp4
     if unshare -Urm true 2>/dev/null; then
-        for size in 16k 36k; do
+        for size in 16k 24k; do
             unshare -Urm bash -c 'mount -t tmpfs -o size='$size' none out && "$@" out/a.mp4 >/dev/null 2>full.txt
                 code=$?; ls -A out >left.txt; exit $code' - "${large[@]}" && fail "$size: a full disk is not noticed"
             grep -q 'out/a.mp4: no space is left in out/' full.txt || fail "$size: a full disk is not said: $(cat full.txt)"

@@ -57,7 +57,8 @@ limit_s=100 # an example that hangs
 [ -z "${MAROTTE_TEST_LONG:-}" ] || limit_s=1200 # whole recordings, also under sanitizers
 while read -r line; do
     if [ -z "${MAROTTE_TEST_LONG:-}" ]; then # a second of the recordings, small pictures
-        line=$(sed -E 's/log:(demo_(left_)?hand)\.csv(,end=[0-9]+)?/log:\1.csv,end=1/g; s/--size [0-9]+x[0-9]+/--size 160x90/' <<<"$line")
+        line=$(sed -E 's/log:(demo_(left_)?hand)\.csv(,end=[0-9]+)?/log:\1.csv,end=1/g; s/log:demo( |$)/log:demo,end=1\1/
+            s/--size [0-9]+x[0-9]+/--size 160x90/; s/rig check puppet/rig check moai/' <<<"$line")
     fi
     folder=$scratch/work
     rm -rf "$folder"

@@ -50,7 +50,7 @@ perform --size 640x360 --seconds 0.2 --export sheet.png
 [ "$(png_size sheet.png)" = 640x360 ] || fail "a sheet of $(png_size sheet.png) instead of 640x360"
 perform --seconds 0.2 --export sheet.png
 [ "$(png_size sheet.png)" = 1920x960 ] || fail "a sheet of $(png_size sheet.png)"
-"$MAROTTE" rig show "$puppet" --poses --size 500x400 --out poses.png >/dev/null || fail "rig show --poses --size"
+"$MAROTTE" rig show "$puppet" --poses --only joy,anger --size 500x400 --out poses.png >/dev/null || fail "rig show --poses --size"
 [ "$(png_size poses.png)" = 500x400 ] || fail "poses on $(png_size poses.png)"
 refused 1 'at least 294 by 196' "$MAROTTE" rig show "$puppet" --size 160x90 --out out/rig.png
 

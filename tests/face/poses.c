@@ -223,7 +223,10 @@ static void a_pose_is_performed_as_it_is_drawn(void **state)
     must(face_file_read(&puppet, SOURCE_DIR "/rigs/puppet/puppet.rig.json", NULL, FACE_FILE_USABLE,
                         &err),
          "the puppet", &err);
-    for (size_t i = 0; i < sizeof heads / sizeof *heads; ++i)
+    /* A generated head, three scans and sculptures, one with shapes of its own; all with
+     * MAROTTE_TEST_LONG. */
+    const size_t step = getenv("MAROTTE_TEST_LONG") ? 1 : 2;
+    for (size_t i = 0; i < sizeof heads / sizeof *heads; i += step)
         check_head(heads[i]);
     face_file_destroy(&puppet);
 }

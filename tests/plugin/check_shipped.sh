@@ -3,6 +3,7 @@
 # MAROTTE_CHECK_REPEAT says (once), each time with another seed. Inputs without their device are judged
 # on what can be judged.
 source "$(dirname "$0")/lib.sh"
+unset MAROTTE_CHECK_DIVISOR
 repeat=${MAROTTE_CHECK_REPEAT:-1}
 count=0
 for library in "$BUILD_DIR"/plugins/*.so "$BUILD_DIR"/tests/plugin/*_template.so; do

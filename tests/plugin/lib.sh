@@ -3,6 +3,7 @@
 source "$SOURCE_DIR/tests/e2e/lib.sh"
 export XDG_DATA_HOME=$scratch/data # no plugins of whoever runs the tests
 unset MAROTTE_PLUGIN_PATH
+[ -n "${MAROTTE_TEST_LONG:-}" ] || export MAROTTE_CHECK_DIVISOR=10 # of the frames of a check; what ships has all of them
 strict=(-Wall -Wextra -Wpedantic -Werror -fsyntax-only)
 
 # compiles FILE FLAGS...: without a warning, as C11, C17 and C++17, with each compiler that is here.

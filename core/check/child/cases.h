@@ -27,6 +27,7 @@ typedef struct examination {
     const mrt_plugin_type *type;
     uint64_t seed;
     const char *input_address, *output_address; /* NULL: not given */
+    uint32_t divisor;                           /* of the number of random frames; at least 1 */
 } examination;
 
 void cases_tables(const types *all);   /* for the library; runs before all others */

@@ -327,6 +327,14 @@ void cases_rig_poses(const examination *e)
 /* frame.deadline reports a mapping that is far too slow, so the walk may end early. */
 static const double budget_s = 6.0;
 
+/* A number of rounds, divided as the number of frames is: at least two, of which each has another
+ * kind of hands. */
+static uint32_t divided(const examination *e, uint32_t rounds)
+{
+    uint32_t count = rounds / e->divisor;
+    return count > 2 ? count : 2;
+}
+
 static bool has_time(void)
 {
     return (double)clock() / CLOCKS_PER_SEC < budget_s;
@@ -343,21 +351,21 @@ static void walk(const examination *e, stream_kind kind, uint32_t frames)
 
 void cases_walk(const examination *e)
 {
-    walk(e, STREAM_WALK, WALK_FRAMES);
+    walk(e, STREAM_WALK, WALK_FRAMES / e->divisor);
     play_judged();
 }
 
 void cases_restless(const examination *e)
 {
-    walk(e, STREAM_RESTLESS, WALK_FRAMES);
+    walk(e, STREAM_RESTLESS, WALK_FRAMES / e->divisor);
     play_judged();
 }
 
 void cases_hands(const examination *e)
 {
-    walk(e, STREAM_EXTREMES, HANDS_FRAMES);
-    walk(e, STREAM_ABSENT, HANDS_FRAMES);
-    walk(e, STREAM_ONE_HAND, HANDS_FRAMES);
+    walk(e, STREAM_EXTREMES, HANDS_FRAMES / e->divisor);
+    walk(e, STREAM_ABSENT, HANDS_FRAMES / e->divisor);
+    walk(e, STREAM_ONE_HAND, HANDS_FRAMES / e->divisor);
     play_judged();
 }
 
@@ -369,7 +377,7 @@ static const double jump_in_faces = 0.02;
 void cases_engage(const examination *e)
 {
     uint32_t holds = 0;
-    for (uint32_t round = 0; round < ENGAGE_ROUNDS; ++round) {
+    for (uint32_t round = 0; round < divided(e, ENGAGE_ROUNDS); ++round) {
         if (!play_open(&tried, &tried_hands, e, STREAM_CALM, e->seed + round))
             return;
         if (round > 0)
@@ -582,10 +590,11 @@ static bool judge_reset_after(const examination *e, stream_kind kind, uint64_t s
 
 static void judge_reset(const examination *e)
 {
-    for (uint64_t i = 0; i < RESETS; ++i)
+    const uint32_t resets = divided(e, RESETS);
+    for (uint64_t i = 0; i < resets; ++i)
         if (!judge_reset_after(e, i % 2 ? STREAM_WALK : STREAM_RESTLESS, e->seed + 3 + 11 * i))
             return;
-    tell_ok(RULE_REPLAY_RESET, "%d times", RESETS);
+    tell_ok(RULE_REPLAY_RESET, "%u times", resets);
 }
 
 void cases_replay(const examination *e)
@@ -941,9 +950,10 @@ void cases_resume(const examination *e)
     const mrt_resume *functions = types_interface(e->type, MRT_RESUME);
     const store s = {functions->save,     functions->load,         RULE_RESUME_SIZE,
                      RULE_RESUME_REFUSES, RULE_RESUME_ALL_OR_NONE, "MRT_RESUME"};
-    for (int i = 0; i < MOMENTS; ++i)
+    const uint32_t count = 2 * divided(e, MOMENTS / 2);
+    for (uint32_t i = 0; i < count; ++i)
         if (!judge_moment(&s, e, i % 2 ? STREAM_WALK : STREAM_RESTLESS, moments[i]))
             return;
     for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
-        tell_ok(rules[i], "%d moments", MOMENTS);
+        tell_ok(rules[i], "%u moments", count);
 }
