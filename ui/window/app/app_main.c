@@ -48,24 +48,24 @@ static void read_patch(app *self)
 {
     char path[PATH_MAX];
     error err = {""};
-    if (!self->keeps_settings || !patch_path(self, path, sizeof path) || access(path, R_OK) != 0)
+    if (!self->saving.is_on || !patch_path(self, path, sizeof path) || access(path, R_OK) != 0)
         return;
-    (void)app_report(self, patch_file_read(&self->patch, path, &err), &err);
-    self->patch_waits = self->patch.count > 0;
+    (void)app_report(self, patch_file_read(&self->patching.patch, path, &err), &err);
+    self->patching.waits = self->patching.patch.count > 0;
 }
 
 static void keep_patch(app *self)
 {
     char path[PATH_MAX], *text = NULL;
     error err = {""};
-    if (!self->keeps_settings || !patch_path(self, path, sizeof path))
+    if (!self->saving.is_on || !patch_path(self, path, sizeof path))
         return;
     patch before;
     mrt_result result = access(path, F_OK) == 0 ? patch_file_read(&before, path, &err) : MRT_OK;
     if (result < 0)
         error_prefix(&err, "the patch is not saved over this file; move it away");
     else
-        result = patch_file_write(&text, &self->patch, &err);
+        result = patch_file_write(&text, &self->patching.patch, &err);
     if (result >= 0)
         result = file_write(path, text, strlen(text), &err);
     free(text);
@@ -74,19 +74,19 @@ static void keep_patch(app *self)
 
 const patch *app_patch(const app *self)
 {
-    return &self->patch;
+    return &self->patching.patch;
 }
 
 void app_set_patch(app *self, const patch *p)
 {
-    self->patch = *p;
-    self->patch_waits = true;
+    self->patching.patch = *p;
+    self->patching.waits = true;
     keep_patch(self);
 }
 
 app_patch_aim *app_patch_aimed(app *self)
 {
-    return &self->patch_aim;
+    return &self->patching.aim;
 }
 
 bool app_press(app *self, patch_action of)
@@ -94,7 +94,7 @@ bool app_press(app *self, patch_action of)
     static const action does[PATCH_ACTIONS] = {
         [PATCH_RECORD] = ACTION_RECORD, [PATCH_STOP] = ACTION_RECORD, [PATCH_MARK] = ACTION_MARK};
     live_status_of(self->live, &self->status); /* another press may have been in this frame */
-    const bool is_going = self->status.is_recording || self->counts_in;
+    const bool is_going = self->status.is_recording || self->recording.counts_in;
     const bool is_wanted = of == PATCH_MARK || (of == PATCH_STOP) == is_going;
     if (is_wanted)
         app_do(self, does[of]);
@@ -104,8 +104,8 @@ bool app_press(app *self, patch_action of)
 static void run_pressed_actions(app *self)
 {
     for (int i = 0; i < PATCH_ACTIONS; ++i) {
-        const bool is_new = self->status.patch_pressed[i] > self->patch_pressed[i];
-        self->patch_pressed[i] = self->status.patch_pressed[i];
+        const bool is_new = self->status.patch_pressed[i] > self->patching.pressed[i];
+        self->patching.pressed[i] = self->status.patch_pressed[i];
         if (is_new)
             (void)app_press(self, (patch_action)i);
     }
@@ -115,14 +115,14 @@ static void update_patch(app *self)
 {
     error err = {""};
     run_pressed_actions(self);
-    if (!self->patch_waits || self->status.is_recording)
+    if (!self->patching.waits || self->status.is_recording)
         return;
-    patch whole = self->patch;
+    patch whole = self->patching.patch;
     expressions_connect(self->expressions, &whole);
     mrt_result result = live_set_patch(self->live, &whole, &err);
     if (result == MRT_HOLD)
         return;
-    self->patch_waits = false;
+    self->patching.waits = false;
     (void)app_report(self, result, &err);
 }
 
@@ -313,13 +313,13 @@ mrt_result app_create(app **out, const app_options *options, error *err)
     app *self = calloc(1, sizeof *self);
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
-    self->undo = undo_list_create();
-    if (!self->undo) {
+    self->undo.list = undo_list_create();
+    if (!self->undo.list) {
         free(self);
         return error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
     }
     self->view = &nothing_yet;
-    self->choice.marker = -1;
+    self->takes.choice.marker = -1;
     self->sound = options->sound;
     self->changed = options->changed;
     mrt_result result = make_parts(self, options, err);
@@ -331,8 +331,8 @@ mrt_result app_create(app **out, const app_options *options, error *err)
         (void)app_destroy(self);
         return result;
     }
-    self->keeps_settings = true;
-    self->takes_are_stale = true;
+    self->saving.is_on = true;
+    self->takes.are_stale = true;
     read_patch(self);
     open_outputs(self);
     const live_click click = app_click(self);
@@ -358,7 +358,7 @@ mrt_result app_destroy(app *self)
 {
     if (!self)
         return MRT_OK;
-    if (self->keeps_settings)
+    if (self->saving.is_on)
         app_keep_settings_last(self);
     remote_destroy(self->remote);
     input_opener_destroy(self->inputs);
@@ -376,9 +376,9 @@ mrt_result app_destroy(app *self)
     face_file_destroy(self->face);
     free(self->face);
     free(self->face_path);
-    free(self->line);
-    free(self->key);
-    undo_list_destroy(self->undo);
+    free(self->takes.line);
+    free(self->takes.key);
+    undo_list_destroy(self->undo.list);
     settings_close(self->settings);
     news_list_destroy(self->news);
     log_queue_destroy(self->log);
@@ -453,14 +453,14 @@ static void want_frames(app *self)
     static const double each_s = 0.0, clock_s = 0.05, meter_s = 0.06, work_s = 0.1;
     input_opening opening[INPUT_OPENINGS_MAX];
     if (is_playing(self) || self->view->mode == LIVE_OVERDUBS || app_leads_in_s(self) > 0.0 ||
-        self->is_chasing || self->patch_waits || remote_status_of(self->remote).is_listening)
+        self->chase.is_on || self->patching.waits || remote_status_of(self->remote).is_listening)
         app_want_frame(self, each_s);
-    if (self->status.is_recording || self->awaited)
+    if (self->status.is_recording || self->awaited.take)
         app_want_frame(self, clock_s);
     if (self->status.is_sound_armed)
         app_want_frame(self, meter_s);
     if (input_opener_going(self->inputs, opening) > 0 || exporter_count(self->exports) > 0 ||
-        self->copier || self->audio_import || kept_scenery_is_reading(self->scenery) ||
+        self->copier || self->audio.import || kept_scenery_is_reading(self->scenery) ||
         live_is_busy(self->live))
         app_want_frame(self, work_s);
 }
@@ -477,7 +477,7 @@ void app_update(app *self, double dt_s)
     live_status_of(self->live, &self->status);
     follow_sound(self);
     app_record_update(self);
-    self->patch_waits |= expressions_update(self->expressions, dt_s);
+    self->patching.waits |= expressions_update(self->expressions, dt_s);
     update_patch(self);
     remote_update(self->remote, dt_s);
     report_exports(self);
@@ -488,7 +488,7 @@ void app_update(app *self, double dt_s)
     app_follow_audio(self);
     app_chase(self);
     news_list_update(self->news, self->log, dt_s);
-    if (self->keeps_settings)
+    if (self->saving.is_on)
         app_keep_settings(self, dt_s);
     want_frames(self);
 }
@@ -582,7 +582,7 @@ news_list *app_news(app *self)
 
 app_choice *app_chosen(app *self)
 {
-    return &self->choice;
+    return &self->takes.choice;
 }
 
 struct expressions *app_expressions(app *self)
@@ -661,7 +661,7 @@ static app_pulled *save_pulled(app *self)
     if (result >= 0 && !out)
         result = error_set(&err, MRT_ERR_MEMORY, "no memory for undo");
     if (out) {
-        *out = (app_pulled){.size = size, .is_held = self->is_held};
+        *out = (app_pulled){.size = size, .is_held = self->pulls.is_held};
         memcpy(out->bytes, bytes, size);
     }
     free(bytes);
@@ -678,7 +678,7 @@ static mrt_result set_pulled(void *owner, const void *value)
         return MRT_ERR_MEMORY; /* reported when it could not be saved */
     mrt_result result = live_load_pulled(self->live, to->bytes, to->size, &err);
     if (result >= 0)
-        self->is_held = to->is_held;
+        self->pulls.is_held = to->is_held;
     return app_report(self, result, &err);
 }
 
@@ -690,15 +690,15 @@ void app_save_pulled(app *self, undo_change *of)
 
 static void begin_pull(app *self)
 {
-    free(self->begun);
-    self->begun = save_pulled(self);
+    free(self->pulls.begun);
+    self->pulls.begun = save_pulled(self);
 }
 
 /* The value after is saved when it is needed, by undo: saving waits for the frame thread. */
 static void end_pull(app *self, const char *words)
 {
-    app_pulled *before = self->begun;
-    self->begun = NULL;
+    app_pulled *before = self->pulls.begun;
+    self->pulls.begun = NULL;
     if (!before)
         return;
     undo_change made = {.owner = self,
@@ -706,52 +706,52 @@ static void end_pull(app *self, const char *words)
                         .before = before,
                         .bytes = 2 * (sizeof *before + before->size)};
     (void)snprintf(made.words, sizeof made.words, "%s", words);
-    undo_list_add(self->undo, &made);
+    undo_list_add(self->undo.list, &made);
 }
 
 static void clear_pulls(app *self)
 {
-    if (self->is_held)
+    if (self->pulls.is_held)
         begin_pull(self);
     live_neutral(self->live);
-    if (self->is_held)
+    if (self->pulls.is_held)
         end_pull(self, "release all held pulls");
-    self->is_held = false;
+    self->pulls.is_held = false;
 }
 
 void app_forget_pulls(app *self)
 {
     app_forget_pulled(self);
-    free(self->begun);
-    self->begun = NULL;
-    self->is_held = false;
+    free(self->pulls.begun);
+    self->pulls.begun = NULL;
+    self->pulls.is_held = false;
 }
 
 bool app_is_held(const app *self)
 {
-    return self->is_held;
+    return self->pulls.is_held;
 }
 
 bool app_has_pulled(const app *self)
 {
-    return self->has_pulled;
+    return self->pulls.has_pulled;
 }
 
 void app_begin_pull(app *self)
 {
-    self->has_pulled = true;
+    self->pulls.has_pulled = true;
     begin_pull(self);
 }
 
 void app_hold(app *self, const char *words)
 {
     end_pull(self, words);
-    self->is_held = true;
+    self->pulls.is_held = true;
 }
 
 void app_clear_pulls(app *self)
 {
-    if (self->is_held)
+    if (self->pulls.is_held)
         clear_pulls(self);
 }
 
@@ -777,8 +777,8 @@ static const char *why_no_transport(const app *self, action of)
     if (self->status.is_recording)
         return "a take is being recorded: stop it first";
     if (of == ACTION_TAKE_BEFORE || of == ACTION_TAKE_NEXT)
-        return self->line_count ? NULL : "there is no take yet";
-    if (!self->history)
+        return self->takes.line_count ? NULL : "there is no take yet";
+    if (!self->takes.history)
         return "no take is selected";
     if (of == ACTION_STOP && self->view->mode == LIVE_PERFORMS)
         return "no take is on the stage";
@@ -796,7 +796,7 @@ static const char *why_not(app *self, action of)
     case ACTION_MARK:
         return live_shown_take(self->live) ? app_edit_why_not(self, of) : why_no_record(self);
     case ACTION_LIVE:
-        return self->view->mode == LIVE_PERFORMS && !self->chosen
+        return self->view->mode == LIVE_PERFORMS && !self->takes.chosen
                    ? "the live hands are on the stage"
                    : NULL;
     case ACTION_SOUND_ARM:
@@ -806,7 +806,7 @@ static const char *why_not(app *self, action of)
     case ACTION_REDO:
         return app_can_redo(self) ? NULL : "nothing to redo";
     case ACTION_EXPORT:
-        return self->line_count ? NULL : "there is no take yet";
+        return self->takes.line_count ? NULL : "there is no take yet";
     case ACTION_NONE:
     case ACTION_COUNT:
         return "";
@@ -911,7 +911,7 @@ void app_do(app *self, action of)
     else if (of == ACTION_EXPORT)
         self->asked[of] = true;
     else if (of == ACTION_DUPLICATE)
-        app_reported(app_duplicate_take(self, self->chosen));
+        app_reported(app_duplicate_take(self, self->takes.chosen));
     else if (action_of(of)->group == ACTION_PERFORMANCE)
         do_performance(self, of);
     else if (action_of(of)->group == ACTION_TRANSPORT)

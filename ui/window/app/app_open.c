@@ -161,23 +161,23 @@ void app_keep_settings_last(app *self)
 {
     error err = {0};
     note_settings(self);
-    if (settings_write_last(self->settings, &err) < 0 && !self->settings_failed)
+    if (settings_write_last(self->settings, &err) < 0 && !self->saving.has_failed)
         fprintf(stderr, "marotte: %s\n", err.text);
 }
 
 /* Once a frame; writes the settings every WRITE_EVERY_S. */
 void app_keep_settings(app *self, double dt_s)
 {
-    self->settings_wait_s += dt_s;
-    if (self->settings_wait_s < WRITE_EVERY_S)
+    self->saving.wait_s += dt_s;
+    if (self->saving.wait_s < WRITE_EVERY_S)
         return;
     error err = {0};
-    self->settings_wait_s = 0.0;
+    self->saving.wait_s = 0.0;
     note_settings(self);
     const mrt_result result = settings_write(self->settings, &err);
-    if (result < 0 && !self->settings_failed)
+    if (result < 0 && !self->saving.has_failed)
         (void)app_report(self, result, &err);
-    self->settings_failed = result < 0;
+    self->saving.has_failed = result < 0;
 }
 
 /* ---- how the surface is solved: kept with the show ---- */
@@ -310,23 +310,23 @@ mrt_result app_open_show(app *self, const char *path)
     app_record_finish_over(self);
     app_drop_take(self);
     app_forget_takes(self);
-    self->awaited = 0;
+    self->awaited.take = 0;
     result = live_set_show(self->live, opened, &err);
     if (result < 0) { /* back to the one before */
         error again = {0};
         (void)app_report(self, result, &err);
         (void)app_report(self, live_set_show(self->live, self->show, &again), &again);
         show_close(opened);
-        self->takes_are_stale = true;
+        self->takes.are_stale = true;
         return result;
     }
     show *before = self->show;
     self->show = opened;
-    self->takes_are_stale = true;
-    self->was_recording = false;
+    self->takes.are_stale = true;
+    self->recording.was_recording = false;
     keep_show_path(self);
     perform_as_show_says(self);
-    self->had_problem = false;
+    self->recording.had_problem = false;
     app_say(self, MRT_LOG_INFO, "%s is open", path);
     (void)app_close_show(self, before); /* the log reports the result */
     return MRT_OK;
@@ -399,7 +399,7 @@ mrt_result app_save_show_as(app *self, const char *path, error *err)
 {
     if (!self->show)
         return error_set(err, MRT_ERR_ARGUMENT, "no show is open");
-    if (self->status.is_recording || self->awaited)
+    if (self->status.is_recording || self->awaited.take)
         return error_set(err, MRT_ERR_ARGUMENT, "a take is being recorded: stop it first");
     if (self->copier)
         return error_set(err, MRT_ERR_ARGUMENT, "the show is already being saved");
@@ -427,10 +427,11 @@ void app_follow_copy(app *self)
 {
     char path[APP_PATH];
     show_copier *copier = self->copier;
-    if (!copier || self->status.is_recording || self->awaited || !atomic_load(&copier->has_ended))
+    if (!copier || self->status.is_recording || self->awaited.take ||
+        !atomic_load(&copier->has_ended))
         return;
     (void)snprintf(path, sizeof path, "%s", copier->to);
-    const int64_t chosen = self->chosen;
+    const int64_t chosen = self->takes.chosen;
     mrt_result result = app_report(self, copier->result, &copier->err);
     app_drop_copy(self);
     if (result >= 0)
@@ -501,47 +502,47 @@ mrt_result app_attach_voice(app *self, const char *path)
     if (!app_take(self) || !show_is_writable(self->show))
         result = error_set(&err, MRT_ERR_ARGUMENT,
                            "select the take that the voice belongs to, then open it again");
-    else if (self->audio_import)
+    else if (self->audio.import)
         result = error_set(&err, MRT_ERR_ARGUMENT,
                            "another voice is being read: wait until it is finished");
     if (result >= 0)
-        result = audio_import_begin(&self->audio_import, self->show, path, &err);
-    self->audio_take = self->chosen;
+        result = audio_import_begin(&self->audio.import, self->show, path, &err);
+    self->audio.take = self->takes.chosen;
     return app_report(self, result, &err);
 }
 
 double app_voice_part(const app *self)
 {
-    return self->audio_import ? 1e-3 * (double)atomic_load(&self->audio_import->thousandths) : -1.0;
+    return self->audio.import ? 1e-3 * (double)atomic_load(&self->audio.import->thousandths) : -1.0;
 }
 
 /* Cancels a running import, and removes it from the show. */
 void app_drop_audio(app *self)
 {
-    audio_import *job = self->audio_import;
+    audio_import *job = self->audio.import;
     if (!job)
         return;
     atomic_store(&job->is_given_up, true);
     (void)pthread_join(job->thread, NULL);
     audio_import_free(job);
-    self->audio_import = NULL;
+    self->audio.import = NULL;
 }
 
 /* Does not disturb recording or playback. */
 void app_follow_audio(app *self)
 {
     edit e;
-    if (!self->audio_import || self->status.is_recording || self->over_take || self->awaited ||
-        !atomic_load(&self->audio_import->has_ended))
+    if (!self->audio.import || self->status.is_recording || self->recording.over_take ||
+        self->awaited.take || !atomic_load(&self->audio.import->has_ended))
         return;
     edit_init(&e, EDIT_AUDIO_ATTACH);
-    e.audio = self->audio_import->audio;
+    e.audio = self->audio.import->audio;
     const mrt_result result =
-        app_report(self, self->audio_import->result, &self->audio_import->err);
+        app_report(self, self->audio.import->result, &self->audio.import->err);
     app_drop_audio(self);
     if (result < 0)
         return;
-    if (self->chosen != self->audio_take && app_pick_take(self, self->audio_take) < 0)
+    if (self->takes.chosen != self->audio.take && app_pick_take(self, self->audio.take) < 0)
         return;
     app_reported(app_edit(self, &e));
     edit_finish(&e);

@@ -29,11 +29,83 @@ typedef struct app_take_key {
     bool is_told; /* that it cannot be read */
 } app_take_key;
 
+/* The list of takes, and the selected one. */
+typedef struct app_takes_state {
+    app_take_line *line;
+    app_take_key *key;
+    uint32_t line_count, line_room;
+    bool are_stale, has_failed; /* has_failed: the list could not be read, which was reported */
+    edit_store *store;          /* of the selected take; NULL: none */
+    history *history;
+    int64_t chosen; /* the selected take; 0: none */
+    uint64_t edition;
+    app_choice choice;
+    int64_t ranged; /* the take for which the range of the last run was restored */
+    int64_t noted;  /* the take of which tell_note reported how it differs */
+} app_takes_state;
+
+/* A take that is not yet completely stored. */
+typedef struct app_awaited {
+    int64_t take; /* 0: none */
+    bool is_kept; /* from the journal; else it was recorded */
+    double age_s;
+} app_awaited;
+
+typedef struct app_undo_state {
+    undo_list *list;
+    bool is_rig_shown;   /* the dock showed the rig panel at the last update */
+    uint64_t rig_number; /* undo_change.number of the newest change when it was opened */
+} app_undo_state;
+
+typedef struct app_recording {
+    int64_t leads_in_until_ns; /* clock; 0: none */
+    bool counts_in;            /* a take of the live hands begins then; false: it has begun */
+    bool was_recording, had_problem;
+    int64_t over_take;   /* the take that is performed over; 0: none */
+    bool over_is_ended;  /* the user ended it */
+    double over_ended_s; /* > 0: it ended by itself just now; R is ignored for this time */
+    int64_t played_from_ns;
+} app_recording;
+
+/* Pulls that the pointer made on the live face. */
+typedef struct app_pulls {
+    app_pulled *begun; /* before the current drag; NULL: none */
+    bool is_held;      /* a pull stays on the face */
+    bool has_pulled;   /* since the start of the program */
+} app_pulls;
+
+/* A sound that is read into the show. */
+typedef struct app_audio {
+    struct audio_import *import; /* NULL: none */
+    int64_t take;                /* the take that gets it */
+} app_audio;
+
+/* Time code that comes in and moves the take. */
+typedef struct app_chasing {
+    bool is_on;
+    int64_t synchronised_ns; /* host clock */
+} app_chasing;
+
+typedef struct app_patching {
+    patch patch;
+    bool waits; /* it is not on the stage yet */
+    app_patch_aim aim;
+    uint32_t pressed[PATCH_ACTIONS]; /* presses that were obeyed */
+} app_patching;
+
+/* What the last run and this one keep in the settings. */
+typedef struct app_saving {
+    bool is_on;
+    double wait_s;
+    bool has_failed; /* reported */
+} app_saving;
+
 struct app {
     plugin_list plugins;
     log_queue *log;
     news_list *news;
     settings *settings;
+    app_saving saving;
     const sound_backend *sound;
     wake *changed;
     double wanted_s; /* when the next frame is wanted */
@@ -41,78 +113,39 @@ struct app {
     show *show;
     face_file *face;
     char *face_path;
-    double face_unit_mm;          /* of a mesh without a rig, as the person set it; 0: not set */
+    double face_unit_mm;          /* of a mesh without a rig, as the user set it; 0: not set */
     char resting[PRESET_MAPPING]; /* the mapping that the face did not fit; "": none */
     live *live;
     const live_view *view;
     live_status status;
-
     kept_solver solver;
+    app_patching patching;
 
-    patch patch;
-    bool patch_waits; /* it is not on the stage yet */
-    app_patch_aim patch_aim;
-    uint32_t patch_pressed[PATCH_ACTIONS]; /* that were obeyed */
+    app_takes_state takes;
+    app_awaited awaited;
+    app_undo_state undo;
+    app_recording recording;
+    app_chasing chase;
+    app_pulls pulls;
+    app_audio audio;
 
     kept_scenery *scenery;
     app_picture picture;
-    char picture_says[256]; /* their last message */
+    char picture_says[256]; /* the last message of window and streams */
     uint32_t stream_count;
     expressions *expressions;
     remote *remote;
-    bool is_called[APP_CALLS];
-    bool has_pulled;
-    app_notes notes;
-
-    /* ---- takes ---- */
-    app_take_line *line;
-    app_take_key *key;
-    uint32_t line_count, line_room;
-    bool takes_are_stale, takes_failed; /* failed: reported */
-    edit_store *store;                  /* of the take that is chosen; NULL: none */
-    history *history;
-    int64_t chosen;
-    uint64_t edition;
-    app_choice choice;
-    int64_t awaited;      /* a take that is not yet completely stored; 0: none */
-    bool awaited_is_kept; /* from the journal; else it was recorded */
-    double awaited_s;
-    int64_t noted; /* the take of which tell_note has told how it differs */
-
-    /* ---- undo ---- */
-    undo_list *undo;
-    bool is_rig_shown;   /* the dock showed the rig panel at the last update */
-    uint64_t rig_number; /* undo_change.number of the newest change when it was opened */
-
-    /* ---- recording and playing ---- */
-    int64_t leads_in_until_ns; /* clock; 0: none */
-    bool counts_in;            /* a take of the live hands begins then; false: it has begun */
-    bool was_recording, had_problem;
-    int64_t over_take;   /* that is performed over; 0: none */
-    bool over_is_ended;  /* by a person */
-    double over_ended_s; /* > 0: it has ended by itself just now; R is ignored for so long */
-    int64_t played_from_ns;
-
-    /* ---- looks and requests ---- */
-    app_looks looks;
-    bool asked[ACTION_COUNT];
-    bool wants_to_quit, has_hand_keys, keeps_settings;
-    app_pulled *begun; /* pulls before the current drag; NULL: none */
-    bool is_held;      /* something that the pointer pulled is still there */
-    int64_t ranged;    /* the take for which the range of the last run has been restored */
     struct viewport *viewport;
+    app_looks looks;
+    app_notes notes;
+    bool asked[ACTION_COUNT], is_called[APP_CALLS];
+    bool wants_to_quit, has_hand_keys;
     app_unsaved unsaved;
     bool has_unsaved;
     app_rig_saver rig_saver;
-    struct show_copier *copier;        /* saves the show under another name; NULL: not now */
-    struct audio_import *audio_import; /* reads a sound into the show; NULL: not now */
-    int64_t audio_take;                /* the take that gets it */
-    bool is_chasing;                   /* the take plays because time code comes in */
-    int64_t chased_ns;                 /* host clock: when it was last synchronised */
-    double settings_wait_s;
-    bool settings_failed; /* it was said */
+    struct show_copier *copier; /* saves the show under another name; NULL: not now */
 
-    input_opener *inputs; /* that are being opened */
+    input_opener *inputs; /* those that are being opened */
     error input_trouble, output_trouble;
     exporter *exports;
     uint32_t exports_failed;

@@ -12,18 +12,18 @@
 
 static mrt_result make_room(app *self, size_t count, error *err)
 {
-    if (count <= self->line_room)
+    if (count <= self->takes.line_room)
         return MRT_OK;
     const size_t room = count + 32;
-    app_take_line *line = realloc(self->line, room * sizeof *line);
+    app_take_line *line = realloc(self->takes.line, room * sizeof *line);
     if (line)
-        self->line = line;
-    app_take_key *key = realloc(self->key, room * sizeof *key);
+        self->takes.line = line;
+    app_take_key *key = realloc(self->takes.key, room * sizeof *key);
     if (key)
-        self->key = key;
+        self->takes.key = key;
     if (!line || !key)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the list of takes");
-    self->line_room = (uint32_t)room;
+    self->takes.line_room = (uint32_t)room;
     return MRT_OK;
 }
 
@@ -67,10 +67,11 @@ static bool fold_line(app *self, app_take_line *out, const show_take *row, bool 
 
 static bool is_as_before(const app *self, uint32_t index, const show_take *row)
 {
-    const app_take_key *key = &self->key[index];
-    return index < self->line_count && self->line[index].id == row->id && !key->is_stale &&
-           key->edit_head == row->edit_head && key->edit_count == row->edit_count &&
-           key->is_recording == row->is_recording && !row->is_recording;
+    const app_take_key *key = &self->takes.key[index];
+    return index < self->takes.line_count && self->takes.line[index].id == row->id &&
+           !key->is_stale && key->edit_head == row->edit_head &&
+           key->edit_count == row->edit_count && key->is_recording == row->is_recording &&
+           !row->is_recording;
 }
 
 static void read_list(app *self)
@@ -81,9 +82,9 @@ static void read_list(app *self)
     mrt_result result = show_takes(self->show, &rows, &count, &err);
     if (result >= 0)
         result = make_room(self, count, &err);
-    if (result < 0 && !self->takes_failed)
+    if (result < 0 && !self->takes.has_failed)
         (void)app_report(self, result, &err);
-    self->takes_failed = result < 0;
+    self->takes.has_failed = result < 0;
     if (result < 0) {
         free(rows);
         return;
@@ -91,73 +92,74 @@ static void read_list(app *self)
     for (uint32_t i = 0; i < (uint32_t)count; ++i) {
         if (is_as_before(self, i, &rows[i]))
             continue;
-        const bool was_told =
-            i < self->line_count && self->line[i].id == rows[i].id && self->key[i].is_told;
-        const bool is_read = fold_line(self, &self->line[i], &rows[i], was_told);
-        self->key[i] = (app_take_key){.edit_head = rows[i].edit_head,
-                                      .edit_count = rows[i].edit_count,
-                                      .is_recording = rows[i].is_recording,
-                                      .is_told = !is_read};
+        const bool was_told = i < self->takes.line_count && self->takes.line[i].id == rows[i].id &&
+                              self->takes.key[i].is_told;
+        const bool is_read = fold_line(self, &self->takes.line[i], &rows[i], was_told);
+        self->takes.key[i] = (app_take_key){.edit_head = rows[i].edit_head,
+                                            .edit_count = rows[i].edit_count,
+                                            .is_recording = rows[i].is_recording,
+                                            .is_told = !is_read};
     }
-    self->line_count = (uint32_t)count;
+    self->takes.line_count = (uint32_t)count;
     free(rows);
 }
 
 static const app_take_line *line_of(const app *self, int64_t id)
 {
-    for (uint32_t i = 0; i < self->line_count; ++i)
-        if (self->line[i].id == id)
-            return &self->line[i];
+    for (uint32_t i = 0; i < self->takes.line_count; ++i)
+        if (self->takes.line[i].id == id)
+            return &self->takes.line[i];
     return NULL;
 }
 
 uint32_t app_takes(const app *self, const app_take_line **out)
 {
-    *out = self->line;
-    return self->line_count;
+    *out = self->takes.line;
+    return self->takes.line_count;
 }
 
 static void line_is_stale(app *self, int64_t id)
 {
-    for (uint32_t i = 0; i < self->line_count; ++i)
-        if (self->line[i].id == id)
-            self->key[i].is_stale = true;
-    self->takes_are_stale = true;
+    for (uint32_t i = 0; i < self->takes.line_count; ++i)
+        if (self->takes.line[i].id == id)
+            self->takes.key[i].is_stale = true;
+    self->takes.are_stale = true;
 }
 
 /* ---- the one that is chosen ---- */
 
 void app_drop_take(app *self)
 {
-    history_close(self->history);
-    edit_store_close(self->store);
-    self->history = NULL;
-    self->store = NULL;
-    self->chosen = 0;
-    self->choice = (app_choice){.marker = -1};
-    self->edition += 1;
+    history_close(self->takes.history);
+    edit_store_close(self->takes.store);
+    self->takes.history = NULL;
+    self->takes.store = NULL;
+    self->takes.chosen = 0;
+    self->takes.choice = (app_choice){.marker = -1};
+    self->takes.edition += 1;
 }
 
 mrt_result app_pick_take(app *self, int64_t id)
 {
     error err = {0};
-    if (id == self->chosen)
+    if (id == self->takes.chosen)
         return MRT_OK;
     app_drop_take(self);
     if (id == 0)
         return MRT_OK;
     if (!self->show)
         return app_report(self, error_set(&err, MRT_ERR_ARGUMENT, "no show is open"), &err);
-    mrt_result result = edit_store_open(&self->store, self->show, id, clock_utc_ms, &err);
+    mrt_result result = edit_store_open(&self->takes.store, self->show, id, clock_utc_ms, &err);
     if (result >= 0) {
-        const history_store list = edit_store_list(self->store);
-        result = history_open(&self->history, edit_store_bare(self->store), &list, &err);
+        const history_store list = edit_store_list(self->takes.store);
+        result =
+            history_open(&self->takes.history, edit_store_bare(self->takes.store), &list, &err);
     }
     if (result < 0) {
         app_drop_take(self);
         return app_report(self, result, &err);
     }
-    self->chosen = id;
+    self->takes.chosen = id;
     return MRT_OK;
 }
 
@@ -178,22 +180,22 @@ void app_keep_range(app *self)
 static void recall_range(app *self)
 {
     const int64_t of = (int64_t)settings_number(self->settings, "range.take", 0.0);
-    if (self->ranged || of != self->chosen ||
+    if (self->takes.ranged || of != self->takes.chosen ||
         strcmp(settings_text(self->settings, "range.show", ""), show_path(self->show)) != 0)
         return;
-    self->ranged = of;
+    self->takes.ranged = of;
     const int64_t in_ns = (int64_t)settings_number(self->settings, "range.in_ns", 0.0);
     const int64_t out_ns = (int64_t)settings_number(self->settings, "range.out_ns", 0.0);
-    if (in_ns >= 0 && in_ns < out_ns && out_ns <= history_take(self->history)->duration_ns)
+    if (in_ns >= 0 && in_ns < out_ns && out_ns <= history_take(self->takes.history)->duration_ns)
         live_set_loop(self->live, in_ns, out_ns);
 }
 
 static mrt_result show_chosen(app *self)
 {
     error err = {0};
-    if (!self->history)
+    if (!self->takes.history)
         return MRT_OK;
-    mrt_result result = live_show_take(self->live, history_take(self->history), &err);
+    mrt_result result = live_show_take(self->live, history_take(self->takes.history), &err);
     if (result >= 0)
         recall_range(self);
     return app_report(self, result, &err);
@@ -210,13 +212,13 @@ mrt_result app_choose_take(app *self, int64_t id)
     }
     if (live_shown_take(self->live) == id)
         return MRT_OK;
-    self->played_from_ns = 0;
+    self->recording.played_from_ns = 0;
     return show_chosen(self);
 }
 
 bool app_is_take_shown(const app *self)
 {
-    return self->chosen && live_shown_take(self->live) == self->chosen;
+    return self->takes.chosen && live_shown_take(self->live) == self->takes.chosen;
 }
 
 mrt_result app_select_take(app *self, int64_t id)
@@ -232,22 +234,22 @@ static int64_t head_ns(const app *self)
 
 int64_t app_take_id(const app *self)
 {
-    return self->chosen;
+    return self->takes.chosen;
 }
 
 const take *app_take(const app *self)
 {
-    return self->history ? history_take(self->history) : NULL;
+    return self->takes.history ? history_take(self->takes.history) : NULL;
 }
 
 uint64_t app_take_edition(const app *self)
 {
-    return self->edition;
+    return self->takes.edition;
 }
 
 const history *app_history(const app *self)
 {
-    return self->history;
+    return self->takes.history;
 }
 
 /* What is chosen in it may be gone. */
@@ -256,28 +258,28 @@ static void check_choice(app *self)
     const take *t = app_take(self);
     bool has_layer = false, has_clip = false, has_armed = false;
     for (uint32_t i = 0; t && i < t->layer_count; ++i) {
-        has_layer |= t->layer[i].id == self->choice.layer;
-        has_armed |= t->layer[i].id == self->choice.armed;
+        has_layer |= t->layer[i].id == self->takes.choice.layer;
+        has_armed |= t->layer[i].id == self->takes.choice.armed;
         for (uint32_t k = 0; k < t->layer[i].clip_count; ++k)
-            has_clip |= t->layer[i].clip[k].id == self->choice.clip;
+            has_clip |= t->layer[i].clip[k].id == self->takes.choice.clip;
     }
     if (!has_layer)
-        self->choice.layer = 0;
+        self->takes.choice.layer = 0;
     if (!has_clip)
-        self->choice.clip = 0;
+        self->takes.choice.clip = 0;
     if (!has_armed)
-        self->choice.armed = 0;
-    if (!t || self->choice.marker >= (int32_t)t->marker_count)
-        self->choice.marker = -1;
+        self->takes.choice.armed = 0;
+    if (!t || self->takes.choice.marker >= (int32_t)t->marker_count)
+        self->takes.choice.marker = -1;
 }
 
 /* After each change of the chosen take: the list and the stage follow. */
 static void take_changed(app *self)
 {
-    self->edition += 1;
+    self->takes.edition += 1;
     check_choice(self);
-    line_is_stale(self, self->chosen);
-    if (live_shown_take(self->live) == self->chosen)
+    line_is_stale(self, self->takes.chosen);
+    if (live_shown_take(self->live) == self->takes.chosen)
         app_reported(show_chosen(self));
 }
 
@@ -289,11 +291,12 @@ static void take_changed(app *self)
  * the status still names the take before it, which is whole and keeps its length. */
 static void follow_recording(app *self)
 {
-    for (uint32_t i = self->line_count; i > 0; --i)
-        if (self->line[i - 1].id == self->status.take && self->key[i - 1].is_recording) {
-            self->line[i - 1].is_recording = self->status.is_recording;
+    for (uint32_t i = self->takes.line_count; i > 0; --i)
+        if (self->takes.line[i - 1].id == self->status.take &&
+            self->takes.key[i - 1].is_recording) {
+            self->takes.line[i - 1].is_recording = self->status.is_recording;
             if (self->status.is_recording)
-                self->line[i - 1].duration_ns = self->status.recorded_ns;
+                self->takes.line[i - 1].duration_ns = self->status.recorded_ns;
             break;
         }
 }
@@ -307,16 +310,16 @@ static bool lacks_recording(const app *self)
 /* Chooses the take in the list as soon as all of it is stored. */
 static void await_take(app *self, int64_t id, bool is_kept)
 {
-    self->awaited = id;
-    self->awaited_is_kept = is_kept;
-    self->awaited_s = 0.0;
+    self->awaited.take = id;
+    self->awaited.is_kept = is_kept;
+    self->awaited.age_s = 0.0;
 }
 
 static bool is_whole(const app *self, int64_t id)
 {
-    for (uint32_t i = 0; i < self->line_count; ++i)
-        if (self->line[i].id == id)
-            return !self->key[i].is_recording;
+    for (uint32_t i = 0; i < self->takes.line_count; ++i)
+        if (self->takes.line[i].id == id)
+            return !self->takes.key[i].is_recording;
     return false;
 }
 
@@ -331,16 +334,16 @@ static void tell_kept(app *self, int64_t id)
 /* If the disk is full, the take is stored when there is space, and appears in the list then. */
 static void follow_awaited(app *self, double dt_s)
 {
-    const int64_t id = self->awaited;
-    self->awaited_s += dt_s;
+    const int64_t id = self->awaited.take;
+    self->awaited.age_s += dt_s;
     if (is_whole(self, id)) {
-        self->awaited = 0;
+        self->awaited.take = 0;
         if (self->view->mode == LIVE_PERFORMS)
             app_reported(app_pick_take(self, id));
-        if (self->awaited_is_kept)
+        if (self->awaited.is_kept)
             tell_kept(self, id);
-    } else if (self->awaited_s > AWAITED_S) {
-        self->awaited = 0;
+    } else if (self->awaited.age_s > AWAITED_S) {
+        self->awaited.take = 0;
         app_say(self, MRT_LOG_WARNING, "the take is not in the show yet, because the disk is slow");
     }
 }
@@ -349,16 +352,16 @@ static void follow_awaited(app *self, double dt_s)
 static void follow_stage_edit(app *self)
 {
     const int64_t id = live_take_edited(self->live);
-    const app_choice choice = self->choice;
+    const app_choice choice = self->takes.choice;
     if (id == 0)
         return;
     line_is_stale(self, id);
-    if (id != self->chosen)
+    if (id != self->takes.chosen)
         return;
     app_drop_take(self); /* it is read anew */
     if (app_pick_take(self, id) < 0)
         return;
-    self->choice = choice;
+    self->takes.choice = choice;
     if (live_shown_take(self->live) == id)
         app_reported(show_chosen(self));
 }
@@ -367,9 +370,9 @@ static void follow_stage_edit(app *self)
 static void tell_note(app *self)
 {
     const int64_t shown = live_shown_take(self->live);
-    if (shown == self->noted)
+    if (shown == self->takes.noted)
         return;
-    self->noted = shown;
+    self->takes.noted = shown;
     for (const char *line = live_take_note(self->live); shown && *line;) {
         const size_t length = strcspn(line, "\n");
         app_say(self, MRT_LOG_WARNING, "%.*s", (int)length, line);
@@ -379,17 +382,17 @@ static void tell_note(app *self)
 
 void app_takes_update(app *self, double dt_s)
 {
-    self->over_ended_s -= dt_s;
+    self->recording.over_ended_s -= dt_s;
     follow_stage_edit(self);
     tell_note(self);
-    if (self->takes_are_stale || self->awaited || lacks_recording(self)) {
-        self->takes_are_stale = false;
+    if (self->takes.are_stale || self->awaited.take || lacks_recording(self)) {
+        self->takes.are_stale = false;
         if (self->show)
             read_list(self);
         else
-            self->line_count = 0;
+            self->takes.line_count = 0;
     }
-    if (self->awaited)
+    if (self->awaited.take)
         follow_awaited(self, dt_s);
     if (self->status.take)
         follow_recording(self);
@@ -416,7 +419,7 @@ static const take_value *take_of(const undo_change *of)
 
 size_t app_undo_bytes(const app *self)
 {
-    return undo_list_bytes(self->undo);
+    return undo_list_bytes(self->undo.list);
 }
 
 static bool is_of_take(const undo_change *of, const void *data)
@@ -427,7 +430,7 @@ static bool is_of_take(const undo_change *of, const void *data)
 
 void app_forget_takes(app *self)
 {
-    undo_list_forget_if(self->undo, self, is_of_take, NULL);
+    undo_list_forget_if(self->undo.list, self, is_of_take, NULL);
 }
 
 static bool is_pull(const undo_change *of, const void *data)
@@ -438,17 +441,17 @@ static bool is_pull(const undo_change *of, const void *data)
 
 void app_forget_pulled(app *self)
 {
-    undo_list_forget_if(self->undo, self, is_pull, NULL);
+    undo_list_forget_if(self->undo.list, self, is_pull, NULL);
 }
 
 void app_add_change(app *self, const undo_change *change)
 {
-    undo_list_add(self->undo, change);
+    undo_list_add(self->undo.list, change);
 }
 
 void app_forget_changes(app *self, const void *owner)
 {
-    undo_list_forget(self->undo, owner);
+    undo_list_forget(self->undo.list, owner);
 }
 
 /* ---- changes of takes ---- */
@@ -466,8 +469,8 @@ static bool is_abandoned(const undo_change *of, const void *data)
 static bool change_of(const app *self, int64_t before, int64_t after, int64_t copied_from,
                       const char *words, undo_change *out)
 {
-    const take_value value[2] = {{self->chosen, before, self->chosen, copied_from},
-                                 {self->chosen, after, self->chosen, copied_from}};
+    const take_value value[2] = {{self->takes.chosen, before, self->takes.chosen, copied_from},
+                                 {self->takes.chosen, after, self->takes.chosen, copied_from}};
     *out = (undo_change){.owner = (void *)(uintptr_t)self, .set = set_take};
     (void)snprintf(out->words, sizeof out->words, "%s", words);
     return undo_change_copy(out, &value[0], &value[1], sizeof value[0]);
@@ -475,28 +478,28 @@ static bool change_of(const app *self, int64_t before, int64_t after, int64_t co
 
 static const char *words_between(const app *self, int64_t before, int64_t after)
 {
-    return history_words(self->history, after > before ? after : before);
+    return history_words(self->takes.history, after > before ? after : before);
 }
 
 /* `words` NULL: those of the last edit. */
 static void note_edits(app *self, int64_t head_before, const char *words)
 {
-    const int64_t head = history_head(self->history);
-    const take_value abandoned = {.take = self->chosen, .head = head_before};
+    const int64_t head = history_head(self->takes.history);
+    const take_value abandoned = {.take = self->takes.chosen, .head = head_before};
     undo_change made;
     if (head > head_before)
-        undo_list_forget_if(self->undo, self, is_abandoned, &abandoned);
+        undo_list_forget_if(self->undo.list, self, is_abandoned, &abandoned);
     if (change_of(self, head_before, head, 0,
                   words ? words : words_between(self, head_before, head), &made))
-        undo_list_add(self->undo, &made);
+        undo_list_add(self->undo.list, &made);
 }
 
 /* The change belongs to a take that is not the selected one: the user would not see its effect. */
 static bool is_elsewhere(const app *self, const undo_change *of)
 {
     const take_value *value = take_of(of);
-    return value && self->chosen && value->take != self->chosen &&
-           value->selected != self->chosen && value->copied_from != self->chosen;
+    return value && self->takes.chosen && value->take != self->takes.chosen &&
+           value->selected != self->takes.chosen && value->copied_from != self->takes.chosen;
 }
 
 /* Shows the take of a change that is elsewhere, and changes nothing: the next undo or redo does. */
@@ -521,11 +524,11 @@ static mrt_result set_take(void *owner, const void *of)
     const take_value value = *(const take_value *)of;
     error err = {0};
     mrt_result result = MRT_OK;
-    if (value.take != self->chosen)
+    if (value.take != self->takes.chosen)
         result = app_choose_take(self, value.take);
     if (result < 0)
         return result;
-    result = history_go(self->history, value.head, &err);
+    result = history_go(self->takes.history, value.head, &err);
     take_changed(self);
     if (result >= 0 && value.copied_from && value.head == 0)
         result = app_select_take(self, value.copied_from);
@@ -537,33 +540,33 @@ static mrt_result set_take(void *owner, const void *of)
 /* The selected take has edits that were made before this run. */
 static bool has_older(const app *self)
 {
-    return !undo_list_next(self->undo) && self->history && history_head(self->history) > 0 &&
-           show_is_writable(self->show);
+    return !undo_list_next(self->undo.list) && self->takes.history &&
+           history_head(self->takes.history) > 0 && show_is_writable(self->show);
 }
 
 static bool has_newer(const app *self)
 {
-    return !undo_list_next_redo(self->undo) && self->history &&
-           history_head(self->history) < history_last(self->history) &&
+    return !undo_list_next_redo(self->undo.list) && self->takes.history &&
+           history_head(self->takes.history) < history_last(self->takes.history) &&
            show_is_writable(self->show);
 }
 
 void app_undo_update(app *self)
 {
     const bool is_shown = self->looks.panel == APP_RIG;
-    const undo_change *newest = undo_list_next(self->undo);
-    if (is_shown && !self->is_rig_shown)
-        self->rig_number = newest ? newest->number : 0;
-    self->is_rig_shown = is_shown;
+    const undo_change *newest = undo_list_next(self->undo.list);
+    if (is_shown && !self->undo.is_rig_shown)
+        self->undo.rig_number = newest ? newest->number : 0;
+    self->undo.is_rig_shown = is_shown;
 }
 
 /* While the rig panel is open, undo stops at edits of takes that were made before it was opened:
  * the user works on the rig and does not see takes. */
 static bool is_behind_rig(const app *self)
 {
-    const undo_change *newest = undo_list_next(self->undo);
+    const undo_change *newest = undo_list_next(self->undo.list);
     return self->looks.panel == APP_RIG && (!newest || take_of(newest)) &&
-           (!self->is_rig_shown || !newest || newest->number <= self->rig_number);
+           (!self->undo.is_rig_shown || !newest || newest->number <= self->undo.rig_number);
 }
 
 /* Why a pull of the live face cannot be undone now: a take is shown, or one is being recorded. */
@@ -582,7 +585,7 @@ static const char *why_not_pulled(const app *self, const undo_change *of)
 
 const char *app_undo_why_not(const app *self)
 {
-    const undo_change *next = undo_list_next(self->undo);
+    const undo_change *next = undo_list_next(self->undo.list);
     if (!next && !has_older(self))
         return "nothing to undo";
     const char *why = why_not_pulled(self, next);
@@ -595,7 +598,7 @@ const char *app_undo_why_not(const app *self)
 
 bool app_can_redo(const app *self)
 {
-    const undo_change *next = undo_list_next_redo(self->undo);
+    const undo_change *next = undo_list_next_redo(self->undo.list);
     return next ? !why_not_pulled(self, next) : has_newer(self);
 }
 
@@ -610,7 +613,7 @@ static mrt_result go_in_history(app *self, int64_t before, int64_t after, int64_
         return app_report(self, error_set(&err, MRT_ERR_MEMORY, "no memory for undo"), &err);
     mrt_result result = set_take(self, to == before ? made.before : made.after);
     if (result >= 0) {
-        add(self->undo, &made);
+        add(self->undo.list, &made);
     } else {
         free(made.before);
         free(made.after);
@@ -621,17 +624,17 @@ static mrt_result go_in_history(app *self, int64_t before, int64_t after, int64_
 mrt_result app_undo(app *self)
 {
     char words[EDIT_TEXT];
-    undo_change *next = undo_list_next(self->undo);
+    undo_change *next = undo_list_next(self->undo.list);
     if (app_undo_why_not(self))
         return MRT_END;
     if (is_elsewhere(self, next))
         return show_take_of(self, next, "undo");
     (void)snprintf(words, sizeof words, "%s", app_undo_words(self));
-    const int64_t head = self->history ? history_head(self->history) : 0;
+    const int64_t head = self->takes.history ? history_head(self->takes.history) : 0;
     if (next && !next->after)
         app_save_pulled(self, next);
     const mrt_result result =
-        next ? undo_list_undo(self->undo)
+        next ? undo_list_undo(self->undo.list)
              : go_in_history(self, head - 1, head, head - 1, undo_list_add_undone);
     if (result >= 0)
         app_say(self, MRT_LOG_INFO, "undone: %s", words);
@@ -641,14 +644,14 @@ mrt_result app_undo(app *self)
 mrt_result app_redo(app *self)
 {
     char words[EDIT_TEXT];
-    const undo_change *next = undo_list_next_redo(self->undo);
+    const undo_change *next = undo_list_next_redo(self->undo.list);
     if (!next && !has_newer(self))
         return MRT_END;
     if (is_elsewhere(self, next))
         return show_take_of(self, next, "redo");
     (void)snprintf(words, sizeof words, "%s", app_redo_words(self));
-    const int64_t head = self->history ? history_head(self->history) : 0;
-    const mrt_result result = next ? undo_list_redo(self->undo)
+    const int64_t head = self->takes.history ? history_head(self->takes.history) : 0;
+    const mrt_result result = next ? undo_list_redo(self->undo.list)
                                    : go_in_history(self, head, head + 1, head + 1, undo_list_add);
     if (result >= 0)
         app_say(self, MRT_LOG_INFO, "redone: %s", words);
@@ -657,31 +660,34 @@ mrt_result app_redo(app *self)
 
 const char *app_undo_words(const app *self)
 {
-    const undo_change *next = undo_list_next(self->undo);
+    const undo_change *next = undo_list_next(self->undo.list);
     if (next)
         return next->words;
-    return has_older(self) ? history_words(self->history, history_head(self->history)) : "";
+    return has_older(self) ? history_words(self->takes.history, history_head(self->takes.history))
+                           : "";
 }
 
 const char *app_redo_words(const app *self)
 {
-    const undo_change *next = undo_list_next_redo(self->undo);
+    const undo_change *next = undo_list_next_redo(self->undo.list);
     if (next)
         return next->words;
-    return has_newer(self) ? history_words(self->history, history_head(self->history) + 1) : "";
+    return has_newer(self)
+               ? history_words(self->takes.history, history_head(self->takes.history) + 1)
+               : "";
 }
 
 /* ---- its edits ---- */
 
 static mrt_result check_editable(const app *self, error *err)
 {
-    if (!self->history)
+    if (!self->takes.history)
         return error_set(err, MRT_ERR_ARGUMENT, "select the take to change");
     if (!show_is_writable(self->show))
         return error_set(err, MRT_ERR_UNSUPPORTED, "%s",
                          show_notice(self->show)[0] ? show_notice(self->show)
                                                     : "the show is read-only");
-    if (self->status.is_recording && self->status.take == self->chosen)
+    if (self->status.is_recording && self->status.take == self->takes.chosen)
         return error_set(err, MRT_ERR_UNSUPPORTED,
                          "the take is still being recorded: change it when it has ended");
     return MRT_OK;
@@ -694,10 +700,10 @@ static mrt_result edit_all(app *self, const edit *const *e, uint32_t count, cons
     mrt_result result = check_editable(self, &err);
     if (result < 0 || count == 0)
         return app_report(self, result, &err);
-    const int64_t before = history_head(self->history);
+    const int64_t before = history_head(self->takes.history);
     for (uint32_t i = 0; i < count && result >= 0; ++i)
-        result = history_do(self->history, e[i], &err);
-    if (result < 0 && history_go(self->history, before, &ignored) < 0)
+        result = history_do(self->takes.history, e[i], &err);
+    if (result < 0 && history_go(self->takes.history, before, &ignored) < 0)
         app_say(self, MRT_LOG_ERROR, "%s", ignored.text);
     if (result >= 0)
         note_edits(self, before, words);
@@ -721,8 +727,8 @@ mrt_result app_history_go(app *self, int64_t head)
     mrt_result result = check_editable(self, &err);
     if (result < 0)
         return app_report(self, result, &err);
-    const int64_t before = history_head(self->history);
-    result = history_go(self->history, head, &err);
+    const int64_t before = history_head(self->takes.history);
+    result = history_go(self->takes.history, head, &err);
     if (result >= 0 && head != before)
         note_edits(self, before, NULL);
     take_changed(self);
@@ -731,18 +737,18 @@ mrt_result app_history_go(app *self, int64_t head)
 
 mrt_result app_edit_take(app *self, int64_t id, const edit *e)
 {
-    const int64_t before = self->chosen;
-    const app_choice choice = self->choice;
+    const int64_t before = self->takes.chosen;
+    const app_choice choice = self->takes.choice;
     if (id == before)
         return app_edit(self, e);
     mrt_result result = app_pick_take(self, id);
     if (result >= 0)
         result = app_edit(self, e);
-    const undo_change *made = undo_list_next(self->undo);
+    const undo_change *made = undo_list_next(self->undo.list);
     if (result >= 0 && take_of(made))
         ((take_value *)made->before)->selected = ((take_value *)made->after)->selected = before;
     if (app_pick_take(self, before) >= 0)
-        self->choice = choice;
+        self->takes.choice = choice;
     return result;
 }
 
@@ -758,11 +764,11 @@ mrt_result app_duplicate_take(app *self, int64_t id)
     mrt_result result = edit_store_duplicate(self->show, id, clock_utc_ms, &copy, &err);
     if (result < 0)
         return app_report(self, result, &err);
-    self->takes_are_stale = true;
+    self->takes.are_stale = true;
     result = app_select_take(self, copy);
     undo_change made;
     if (result >= 0 && change_of(self, 0, 1, id, words, &made))
-        undo_list_add(self->undo, &made);
+        undo_list_add(self->undo.list, &made);
     return result;
 }
 
@@ -814,7 +820,8 @@ void app_set_click(app *self, const live_click *to)
 
 double app_leads_in_s(const app *self)
 {
-    const int64_t left_ns = self->leads_in_until_ns ? self->leads_in_until_ns - clock_now_ns() : 0;
+    const int64_t left_ns =
+        self->recording.leads_in_until_ns ? self->recording.leads_in_until_ns - clock_now_ns() : 0;
     return left_ns > 0 ? 1e-9 * (double)left_ns : 0.0;
 }
 
@@ -822,11 +829,12 @@ double app_leads_in_s(const app *self)
  * it; false: a recording over a take has begun already, and plays its pre-roll. */
 static void lead_in(app *self, double s, bool counts_in)
 {
-    const bool counted_in = self->counts_in;
-    self->leads_in_until_ns = s > 0.0 ? clock_now_ns() + (int64_t)(s * 1e9) : 0;
-    self->counts_in = counts_in && self->leads_in_until_ns;
-    if (counted_in || self->counts_in)
-        live_count_in(self->live, self->counts_in ? self->leads_in_until_ns : 0);
+    const bool counted_in = self->recording.counts_in;
+    self->recording.leads_in_until_ns = s > 0.0 ? clock_now_ns() + (int64_t)(s * 1e9) : 0;
+    self->recording.counts_in = counts_in && self->recording.leads_in_until_ns;
+    if (counted_in || self->recording.counts_in)
+        live_count_in(self->live,
+                      self->recording.counts_in ? self->recording.leads_in_until_ns : 0);
 }
 
 /* ---- begin and end ---- */
@@ -834,7 +842,7 @@ static void lead_in(app *self, double s, bool counts_in)
 static void begin_live(app *self)
 {
     error err = {0};
-    const app_take_line *line = line_of(self, self->chosen);
+    const app_take_line *line = line_of(self, self->takes.chosen);
     if (app_report(self, live_record(self->live, NULL, &err), &err) >= 0 && line)
         app_say(self, MRT_LOG_INFO,
                 "recorded as a new take. To perform over take %.120s, double-click it first",
@@ -853,12 +861,12 @@ static void begin_over(app *self)
     if (t->is_looping) {
         over.in_ns = t->loop_in_ns;
         over.out_ns = t->loop_out_ns;
-        over.passes = self->choice.armed ? 1 : 0;
+        over.passes = self->takes.choice.armed ? 1 : 0;
     }
     /* At the end of the take, start over from its start, as playback does. */
     if (over.out_ns == 0 && chosen && over.in_ns + OVER_FADE_NS >= chosen->duration_ns)
         over.in_ns = 0;
-    over.into_layer = self->choice.armed;
+    over.into_layer = self->takes.choice.armed;
     if (over.into_layer && over.out_ns == 0 && chosen)
         over.out_ns = chosen->duration_ns;
     if (over.out_ns > 0 && 2 * over.fade_ns > over.out_ns - over.in_ns)
@@ -866,10 +874,10 @@ static void begin_over(app *self)
     const app_lead_in lead = app_lead_in_of(self);
     over.count_in_ns = (int64_t)(lead.count_in_s * 1e9);
     over.preroll_ns = (int64_t)(lead.preroll_s * 1e9);
-    self->over_take = live_shown_take(self->live);
-    self->over_is_ended = false;
+    self->recording.over_take = live_shown_take(self->live);
+    self->recording.over_is_ended = false;
     if (app_report(self, live_overdub_start(self->live, &over, &err), &err) < 0)
-        self->over_take = 0;
+        self->recording.over_take = 0;
     else
         lead_in(self, lead.count_in_s + fmin(lead.preroll_s, 1e-9 * (double)over.in_ns), false);
 }
@@ -880,25 +888,25 @@ void app_record_toggle(app *self)
 {
     error err = {0};
     live_status_of(self->live, &self->status);
-    if (self->counts_in) {
+    if (self->recording.counts_in) {
         lead_in(self, 0.0, false);
     } else if (self->status.is_recording) {
         lead_in(self, 0.0, false);
-        self->over_is_ended = true;
+        self->recording.over_is_ended = true;
         (void)app_report(self, live_record_end(self->live, &err), &err);
-    } else if (self->over_take || self->over_ended_s > 0.0) {
+    } else if (self->recording.over_take || self->recording.over_ended_s > 0.0) {
         /* The user pressed R to end a recording that has just ended by itself. Do not start
          * another. */
-        self->over_ended_s = 0.0;
+        self->recording.over_ended_s = 0.0;
         app_say(self, MRT_LOG_INFO, "the overdub has ended. Press R to start another");
     } else if (live_shown_take(self->live)) { /* the view may be of a frame before */
         begin_over(self);
     } else {
         lead_in(self, app_lead_in_of(self).count_in_s, true);
-        if (!self->counts_in)
+        if (!self->recording.counts_in)
             begin_live(self);
     }
-    self->takes_are_stale = true;
+    self->takes.are_stale = true;
 }
 
 void app_keep(app *self, int64_t from_ns, int64_t to_ns)
@@ -929,16 +937,16 @@ void app_mark(app *self)
 /* The edits that make it a part of the take are one step of undo. */
 static void take_over(app *self)
 {
-    const int64_t over = self->over_take;
+    const int64_t over = self->recording.over_take;
     edit *edits = NULL;
     uint32_t count = 0;
     error err = {0};
     const bool is_there = live_overdub_edits(self->live, &edits, &count, &err);
     if (!is_there && !err.text[0])
         return; /* it goes on */
-    self->over_take = 0;
-    self->over_ended_s = self->over_is_ended ? 0.0 : OVER_ENDED_S;
-    self->takes_are_stale = true;
+    self->recording.over_take = 0;
+    self->recording.over_ended_s = self->recording.over_is_ended ? 0.0 : OVER_ENDED_S;
+    self->takes.are_stale = true;
     if (!is_there) {
         (void)app_report(self, MRT_ERR_IO, &err);
         return;
@@ -959,25 +967,25 @@ static void take_over(app *self)
 void app_record_finish_over(app *self)
 {
     error err = {0};
-    if (!self->over_take)
+    if (!self->recording.over_take)
         return;
     live_status_of(self->live, &self->status);
     if (self->status.is_recording)
         (void)app_report(self, live_record_end(self->live, &err), &err);
     live_status_of(self->live, &self->status);
     take_over(self);
-    self->over_take = 0;
+    self->recording.over_take = 0;
 }
 
 /* The bar has room for its first words only. */
 static void say_problem(app *self)
 {
     const bool has_problem = self->status.problem[0] != '\0';
-    if (has_problem && !self->had_problem)
+    if (has_problem && !self->recording.had_problem)
         app_say(self, MRT_LOG_ERROR, "%s", self->status.problem);
-    else if (!has_problem && self->had_problem)
+    else if (!has_problem && self->recording.had_problem)
         app_say(self, MRT_LOG_INFO, "everything is recorded again");
-    self->had_problem = has_problem;
+    self->recording.had_problem = has_problem;
 }
 
 /* Messages also go to stderr, because the window may be closed. */
@@ -1000,23 +1008,23 @@ static void count_in(app *self)
     if (live_shown_take(self->live)) {
         lead_in(self, 0.0, false);
     } else if (app_leads_in_s(self) <= 0.0) {
-        self->counts_in = false;
-        self->leads_in_until_ns = 0;
+        self->recording.counts_in = false;
+        self->recording.leads_in_until_ns = 0;
         begin_live(self);
-        self->takes_are_stale = true;
+        self->takes.are_stale = true;
     }
 }
 
 void app_record_update(app *self)
 {
     say_problem(self);
-    if (self->counts_in)
+    if (self->recording.counts_in)
         count_in(self);
-    const bool has_ended = self->was_recording && !self->status.is_recording;
-    if (self->was_recording != self->status.is_recording)
-        self->takes_are_stale = true;
-    self->was_recording = self->status.is_recording;
-    if (self->over_take)
+    const bool has_ended = self->recording.was_recording && !self->status.is_recording;
+    if (self->recording.was_recording != self->status.is_recording)
+        self->takes.are_stale = true;
+    self->recording.was_recording = self->status.is_recording;
+    if (self->recording.over_take)
         take_over(self);
     else if (has_ended && self->status.take)
         await_take(self, self->status.take, false);
@@ -1030,7 +1038,7 @@ enum { SPEEDS = sizeof speeds / sizeof speeds[0] };
 /* The chosen take on the stage; false: it could not be. */
 static bool show_it(app *self)
 {
-    if (live_shown_take(self->live) == self->chosen && self->view->mode != LIVE_PERFORMS)
+    if (live_shown_take(self->live) == self->takes.chosen && self->view->mode != LIVE_PERFORMS)
         return true;
     return show_chosen(self) >= 0;
 }
@@ -1068,7 +1076,8 @@ static int64_t chased_at_ns(const app *self, int64_t now_ns)
     const recorder_code *code = &self->status.code;
     const double frame = recorder_code_at(code, now_ns);
     const take *t = app_take(self);
-    if (!t || t->fps <= 0.0 || frame < 0.0 || self->status.is_recording || self->over_take)
+    if (!t || t->fps <= 0.0 || frame < 0.0 || self->status.is_recording ||
+        self->recording.over_take)
         return -1;
     const double at_s = frame / code->fps - (double)t->timecode_frame / t->fps;
     const int64_t at_ns = (int64_t)(at_s * 1e9);
@@ -1078,34 +1087,35 @@ static int64_t chased_at_ns(const app *self, int64_t now_ns)
 void app_chase(app *self)
 {
     if (!app_chases(self) || chased_at_ns(self, clock_now_ns()) < 0 || !show_it(self)) {
-        if (self->is_chasing && !self->status.is_recording)
+        if (self->chase.is_on && !self->status.is_recording)
             live_pause(self->live);
-        self->is_chasing = false;
+        self->chase.is_on = false;
         return;
     }
     const bool plays = live_transport(self->live)->is_playing;
     const int64_t now_ns = clock_now_ns(), at_ns = chased_at_ns(self, now_ns);
     const int64_t off_ns = live_position(self->live).at_ns - at_ns;
-    if (plays && (llabs(off_ns) < chase_off_ns || now_ns - self->chased_ns < chase_again_ns))
+    if (plays &&
+        (llabs(off_ns) < chase_off_ns || now_ns - self->chase.synchronised_ns < chase_again_ns))
         return;
     live_set_speed(self->live, 1.0);
     live_set_loop(self->live, 0, 0);
     live_seek(self->live, at_ns);
     if (!plays)
         live_play(self->live);
-    self->is_chasing = true;
-    self->chased_ns = now_ns;
+    self->chase.is_on = true;
+    self->chase.synchronised_ns = now_ns;
 }
 
 void app_seek(app *self, int64_t at_ns)
 {
-    if (self->history && !self->status.is_recording && show_it(self))
+    if (self->takes.history && !self->status.is_recording && show_it(self))
         live_seek(self->live, at_ns);
 }
 
 void app_set_range(app *self, int64_t in_ns, int64_t out_ns)
 {
-    if (self->history && !self->status.is_recording && show_it(self))
+    if (self->takes.history && !self->status.is_recording && show_it(self))
         live_set_loop(self->live, in_ns, out_ns);
 }
 
@@ -1118,14 +1128,14 @@ static void play_or_pause(app *self)
         live_pause(self->live);
         return;
     }
-    self->played_from_ns = position.has_stopped ? 0 : position.at_ns;
+    self->recording.played_from_ns = position.has_stopped ? 0 : position.at_ns;
     live_play(self->live);
 }
 
 static void stop(app *self)
 {
     live_pause(self->live);
-    live_seek(self->live, self->played_from_ns);
+    live_seek(self->live, self->recording.played_from_ns);
 }
 
 static int64_t end_of(const app *self)
@@ -1190,10 +1200,10 @@ static void change_speed(app *self, bool is_faster)
 /* The one before or after the chosen one that is not deleted. */
 static void choose_beside(app *self, bool is_next)
 {
-    const uint32_t count = self->line_count;
+    const uint32_t count = self->takes.line_count;
     uint32_t at = count;
     for (uint32_t i = 0; i < count; ++i)
-        if (self->line[i].id == self->chosen)
+        if (self->takes.line[i].id == self->takes.chosen)
             at = i;
     for (uint32_t step = 1; step <= count; ++step) {
         if (!is_next && step > at)
@@ -1201,9 +1211,9 @@ static void choose_beside(app *self, bool is_next)
         const uint32_t i = !is_next ? at - step : at == count ? count - step : at + step;
         if (i >= count)
             return;
-        if (self->line[i].is_deleted || self->line[i].is_recording)
+        if (self->takes.line[i].is_deleted || self->takes.line[i].is_recording)
             continue;
-        app_reported(app_choose_take(self, self->line[i].id));
+        app_reported(app_choose_take(self, self->takes.line[i].id));
         return;
     }
 }
@@ -1291,8 +1301,8 @@ static const take_clip *clip_at(const app *self, int64_t at_ns, const take_layer
     const take *t = app_take(self);
     const take_clip *found = NULL;
     uint32_t count = 0;
-    if (self->choice.clip)
-        return clip_of(t, self->choice.clip, out_layer);
+    if (self->takes.choice.clip)
+        return clip_of(t, self->takes.choice.clip, out_layer);
     for (uint32_t i = 0; t && i < t->layer_count; ++i)
         for (uint32_t k = 0; k < t->layer[i].clip_count; ++k) {
             const take_layer *lane = &t->layer[i];
@@ -1322,8 +1332,8 @@ static const char *why_no_trim(const app *self)
     const take_layer *lane = NULL;
     const take *t = app_take(self);
     const int64_t at_ns = head_ns(self);
-    if (self->choice.clip) {
-        const take_clip *clip = clip_of(t, self->choice.clip, &lane);
+    if (self->takes.choice.clip) {
+        const take_clip *clip = clip_of(t, self->takes.choice.clip, &lane);
         return clip && is_within(clip, lane, at_ns) ? NULL : "the playhead is outside the clip";
     }
     return at_ns > 0 && at_ns < t->duration_ns ? NULL : "the playhead is outside the take";
@@ -1331,12 +1341,12 @@ static const char *why_no_trim(const app *self)
 
 const char *app_edit_why_not(app *self, action of)
 {
-    const app_choice *choice = &self->choice;
-    if (!self->history)
+    const app_choice *choice = &self->takes.choice;
+    if (!self->takes.history)
         return "no take is selected";
     if (!show_is_writable(self->show))
         return "the show is read-only";
-    if (self->status.is_recording && self->status.take == self->chosen)
+    if (self->status.is_recording && self->status.take == self->takes.chosen)
         return "the take is being recorded";
     switch (of) {
     case ACTION_SPLIT:
@@ -1376,9 +1386,9 @@ static bool make_trim(const app *self, edit *out, bool is_end)
 {
     const int64_t at_ns = head_ns(self);
     const take *t = app_take(self);
-    if (self->choice.clip) {
+    if (self->takes.choice.clip) {
         edit_init(out, EDIT_CLIP_TRIM);
-        out->clip = self->choice.clip;
+        out->clip = self->takes.choice.clip;
         *(is_end ? &out->end_ns : &out->start_ns) = at_ns;
         return true;
     }
@@ -1390,7 +1400,7 @@ static bool make_trim(const app *self, edit *out, bool is_end)
 
 static bool make_remove(const app *self, edit *out)
 {
-    const app_choice *choice = &self->choice;
+    const app_choice *choice = &self->takes.choice;
     edit_init(out, choice->is_take       ? EDIT_TAKE_DELETE
                    : choice->marker >= 0 ? EDIT_MARKER_REMOVE
                    : choice->clip        ? EDIT_CLIP_REMOVE
@@ -1409,14 +1419,14 @@ static bool make_remove(const app *self, edit *out)
 static bool make_mute(const app *self, edit *out)
 {
     const take_layer *lane = NULL;
-    const take_clip *clip = clip_of(app_take(self), self->choice.clip, &lane);
+    const take_clip *clip = clip_of(app_take(self), self->takes.choice.clip, &lane);
     if (clip) {
         edit_init(out, EDIT_CLIP_MUTE);
         out->clip = clip->id;
         out->is_muted = !clip->is_muted;
         return true;
     }
-    lane = layer_of(app_take(self), self->choice.layer);
+    lane = layer_of(app_take(self), self->takes.choice.layer);
     if (!lane)
         return false;
     edit_init(out, EDIT_LAYER_MUTE);
@@ -1427,9 +1437,9 @@ static bool make_mute(const app *self, edit *out)
 
 static bool make_solo(const app *self, edit *out)
 {
-    const take_layer *lane = layer_of(app_take(self), self->choice.layer);
+    const take_layer *lane = layer_of(app_take(self), self->takes.choice.layer);
     if (!lane)
-        (void)clip_of(app_take(self), self->choice.clip, &lane);
+        (void)clip_of(app_take(self), self->takes.choice.clip, &lane);
     if (!lane)
         return false;
     edit_init(out, EDIT_LAYER_SOLO);
