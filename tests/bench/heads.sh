@@ -41,6 +41,14 @@ spent() {
 
 number() { fact "$1" "$scratch/facts.txt"; }
 
+# HEAD, the draft's lines in $scratch/draft.txt: how far its mouth is from the mark, in per cent of the head's height; nothing without a mark.
+off_the_mark() {
+    local y
+    y=$(sed -nE 's/^confirm  face: .* the mouth at (-?[0-9.]+) mm.*/\1/p' "$scratch/draft.txt")
+    awk -v head="$1" -v y="$y" '$1 == head { d = 100 * (y - $2) / $3; printf "%.1f", d < 0 ? -d : d }' "$SOURCE_DIR/tests/bench/heads_marks.txt"
+}
+marked=0 right=0
+
 turn=0
 row='%-13s %-11s %-21s %7s %6s %7s %7s %7s %8s %8s %7s %5s %6s\n'
 printf "$row" head mapping hand motion folds least inside held parted bent overlap bend s
@@ -58,6 +66,14 @@ for file in "$heads"/*.{glb,gltf,obj,vrm} "$shared/data/heads2"/*.{glb,obj,vrm,p
         [ "$(wc -l <"$scratch/said")" -eq 1 ] || fail "$head: $(cat "$scratch/said")"
         printf '%-13s %s\n' "$head" "$(cat "$scratch/said")"
         continue
+    fi
+    cp "$scratch/said" "$scratch/draft.txt"
+    mark=$(off_the_mark "$head")
+    [ -z "$mark" ] || marked=$((marked + 1))
+    if [ -n "$mark" ] && awk -v off="$mark" 'BEGIN { exit !(off <= 5) }'; then
+        right=$((right + 1))
+    elif [ -n "$mark" ]; then
+        echo "$head: the mouth is $mark % of the height from its mark"
     fi
     "$MAROTTE" rig check "$rig" >"$scratch/said" || fail "$head: $(grep ^error "$scratch/said")"
     first=1 turn=$((turn + 1)) tried=("${maps[@]}")
@@ -99,4 +115,6 @@ for file in "$heads"/*.{glb,gltf,obj,vrm} "$shared/data/heads2"/*.{glb,obj,vrm,p
         done
     done
 done
+echo "mouths: $right of $marked within 5 % of the head's height from where a person points"
+[ $# -gt 0 ] || [ $marked -lt 17 ] || [ $right -ge 14 ] || fail "mouths: 14 were right"
 finish

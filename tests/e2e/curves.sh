@@ -71,7 +71,7 @@ refuse() { # reason text...
 }
 refuse 'bad.csv:3: jaw.open is not a number' 'jaw.open\n0\nwide\n'
 refuse 'bad.csv:3: 1 cells' 'jaw.open,jaw.lateral\n0,0\n1\n'
-refuse 'such as "skull.turn"' 'Jaw Open\n0\n'
+refuse 'for example "skull.turn"' 'Jaw Open\n0\n'
 refuse 'bad.csv:4: time_s does not increase' 'time_s,jaw.open\n0,0\n0.1,0\n0.1,0\n'
 "$MAROTTE" perform --face "$puppet" --curves x.csv --map one_hand >/dev/null 2>"$scratch/stderr"
 [ $? -eq 2 ] || fail "--curves with --map"
