@@ -115,6 +115,6 @@ for file in "$heads"/*.{glb,gltf,obj,vrm} "$shared/data/heads2"/*.{glb,obj,vrm,p
         done
     done
 done
-echo "mouths: $right of $marked within 5 % of the head's height from where a person points"
+echo "mouths: $right of $marked within 5 % of the head's height from their marks"
 [ $# -gt 0 ] || [ $marked -lt 17 ] || [ $right -ge 14 ] || fail "mouths: 14 were right"
 finish
