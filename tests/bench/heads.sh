@@ -47,7 +47,7 @@ off_the_mark() {
     y=$(sed -nE 's/^confirm  face: .* the mouth at (-?[0-9.]+) mm.*/\1/p' "$scratch/draft.txt")
     awk -v head="$1" -v y="$y" '$1 == head { d = 100 * (y - $2) / $3; printf "%.1f", d < 0 ? -d : d }' "$SOURCE_DIR/tests/bench/heads_marks.txt"
 }
-marked=0 right=0
+marked=0 right=0 likely=0 likely_right=0
 
 turn=0
 row='%-13s %-11s %-21s %7s %6s %7s %7s %7s %8s %8s %7s %5s %6s\n'
@@ -69,11 +69,13 @@ for file in "$heads"/*.{glb,gltf,obj,vrm} "$shared/data/heads2"/*.{glb,obj,vrm,p
     fi
     cp "$scratch/said" "$scratch/draft.txt"
     mark=$(off_the_mark "$head")
-    [ -z "$mark" ] || marked=$((marked + 1))
-    if [ -n "$mark" ] && awk -v off="$mark" 'BEGIN { exit !(off <= 5) }'; then
-        right=$((right + 1))
-    elif [ -n "$mark" ]; then
-        echo "$head: the mouth is $mark % of the height from its mark"
+    if [ -n "$mark" ]; then
+        is_right=0 is_likely=0
+        awk -v off="$mark" 'BEGIN { exit !(off <= 5) }' && is_right=1
+        grep -q '^confirm  face: .*(unsure)' "$scratch/draft.txt" || is_likely=1
+        marked=$((marked + 1)) right=$((right + is_right))
+        likely=$((likely + is_likely)) likely_right=$((likely_right + is_likely * is_right))
+        [ $is_right -eq 1 ] || echo "$head: the mouth is $mark % of the height from its mark"
     fi
     "$MAROTTE" rig check "$rig" >"$scratch/said" || fail "$head: $(grep ^error "$scratch/said")"
     first=1 turn=$((turn + 1)) tried=("${maps[@]}")
@@ -117,6 +119,7 @@ for file in "$heads"/*.{glb,gltf,obj,vrm} "$shared/data/heads2"/*.{glb,obj,vrm,p
         done
     done
 done
-echo "mouths: $right of $marked within 5 % of the head's height from their marks"
-[ $# -gt 0 ] || [ $marked -lt 17 ] || [ $right -ge 14 ] || fail "mouths: 14 were right"
+echo "mouths: $right of $marked within 5 % of the head's height from their marks; of those called likely $likely_right of $likely"
+[ $# -gt 0 ] || [ $marked -lt 20 ] || [ $right -ge 16 ] || fail "mouths: 16 were right"
+[ $((10 * likely_right)) -ge $((9 * likely)) ] || [ $# -gt 0 ] || fail "a face is called likely where it is not right in nine of ten"
 finish

@@ -160,6 +160,41 @@ static void a_jaw_that_hardly_opens_is_a_warning(void **state)
     moai.rig->bone[1].slide_mm = slide;
 }
 
+static void a_mouth_that_is_not_between_nose_and_chin_is_a_warning(void **state)
+{
+    (void)state;
+    rig_contact *lip = &moai.rig->contact[rig_find_contact(moai.rig, "lip.lower.mid")];
+    const uint32_t kept = lip->vertex;
+    lip->vertex = moai.rig->contact[rig_find_contact(moai.rig, "forehead.mid")].vertex;
+    assert_found(RIG_WARNING, "$.contacts", "\"lip.lower.mid\" does not lie below");
+    lip->vertex = kept;
+}
+
+static void teeth_before_the_lips_are_a_warning(void **state)
+{
+    (void)state;
+    rig_bone *jaw = &moai.rig->bone[1];
+    const rig_bone kept = *jaw;
+    jaw->has_incisor = true;
+    jaw->incisor = (vec3){0.0, 80.0, 400.0};
+    assert_found(RIG_WARNING, "$.bones[1]", "before the lips");
+    *jaw = kept;
+}
+
+static void a_jaw_that_moves_nothing_is_a_warning(void **state)
+{
+    (void)state;
+    rig_findings all;
+    binding b;
+    error err = {""};
+    assert_true(binding_create(&b, moai.rig, &moai.mesh, &moai.topology, &err) >= 0);
+    memset(b.weight + b.vertex_count, 0, b.vertex_count * sizeof *b.weight);
+    assert_true(rig_check(&all, moai.rig, &moai.mesh, &moai.topology, &b, &err) >= 0);
+    assert_int_equal(find(&all, "the jaw moves no skin")->severity, RIG_WARNING);
+    rig_findings_finish(&all);
+    binding_destroy(&b);
+}
+
 static void a_contact_on_what_is_rigid_is_a_warning(void **state)
 {
     (void)state;
@@ -453,6 +488,9 @@ int main(void)
         cmocka_unit_test(exchanged_condyles_are_an_error),
         cmocka_unit_test(a_far_axis_is_a_warning),
         cmocka_unit_test(a_jaw_that_hardly_opens_is_a_warning),
+        cmocka_unit_test(a_mouth_that_is_not_between_nose_and_chin_is_a_warning),
+        cmocka_unit_test(teeth_before_the_lips_are_a_warning),
+        cmocka_unit_test(a_jaw_that_moves_nothing_is_a_warning),
         cmocka_unit_test(a_contact_on_what_is_rigid_is_a_warning),
         cmocka_unit_test(a_mirror_that_is_none_is_a_warning_with_a_better_vertex),
         cmocka_unit_test(left_on_the_right_is_a_warning),

@@ -263,6 +263,77 @@ static void the_face_of_a_toy_is_on_its_head(void **state)
     finish(&d);
 }
 
+/* A cat that stretches: the tail is the highest part, and the front legs reach before the head. */
+static void the_face_of_an_animal_is_at_its_front(void **state)
+{
+    (void)state;
+    obj_writer of = open_obj("animal");
+    write_ball(&of, (vec3){0, 230, -250}, (vec3){100, 110, 240});
+    write_ball(&of, (vec3){0, 480, -470}, (vec3){20, 220, 20});
+    write_ball(&of, (vec3){0, 270, 30}, (vec3){40, 50, 90});
+    write_ball(&of, (vec3){0, 300, 130}, (vec3){70, 70, 75});
+    write_ball(&of, (vec3){40, 380, 110}, (vec3){20, 50, 10});
+    write_ball(&of, (vec3){-40, 380, 110}, (vec3){20, 50, 10});
+    for (int i = 0; i < 4; ++i)
+        write_ball(&of, (vec3){i & 1 ? 60 : -60, 60, i & 2 ? 0 : -400},
+                   (vec3){25, i & 2 ? 30 : 120, i & 2 ? 240 : 30});
+    drafted d = draft_obj(&of);
+    assert_int_not_equal(rig_find_bone(&d.rig, "body"), RIG_NONE);
+    assert_int_not_equal(rig_find_bone(&d.rig, "jaw"), RIG_NONE);
+    for (uint32_t i = 0; i < d.rig.contact_count; ++i) {
+        const vec3 at = contact_position(&d, d.rig.contact[i].name);
+        assert_true(at.y > 225.0 && at.y < 375.0 && at.z > 100.0);
+    }
+    binding b;
+    error err = {""};
+    assert_true(binding_create(&b, &d.rig, &d.file.mesh, &d.file.topology, &err) >= 0);
+    const uint32_t body = rig_find_bone(&d.rig, "body");
+    for (uint32_t v = 0; v < b.vertex_count;
+         ++v) /* the rump and the legs do not turn with the head */
+        if (d.file.mesh.position[3 * (size_t)v + 2] < -50.0f ||
+            d.file.mesh.position[3 * (size_t)v + 1] < 150.0f)
+            assert_true(b.weight[(size_t)body * b.vertex_count + v] > 0.99f);
+    binding_destroy(&b);
+    finish(&d);
+}
+
+static head_doubt doubt_of(const mesh *m)
+{
+    rig_head head;
+    error err = {""};
+    if (rig_head_measure(&head, m, NULL, &err) < 0)
+        fail_msg("%s", err.text);
+    return head.doubt;
+}
+
+/* A shape that is measured as a face is called likely only where it is one. */
+static void an_unusual_face_is_unsure(void **state)
+{
+    (void)state;
+    rig_head head;
+    error err = {""};
+    mesh m = {0};
+    if (mesh_file_read(&m, SOURCE_DIR "/rigs/moai/moai.glb", NULL, &err) < 0 ||
+        rig_head_measure(&head, &m, NULL, &err) < 0)
+        fail_msg("%s", err.text);
+    assert_int_equal(head.doubt, HEAD_NO_DOUBT);
+    const size_t count = (size_t)m.vertex_count * 3;
+    float *kept = malloc(count * sizeof *kept);
+    assert_non_null(kept);
+    memcpy(kept, m.position, count * sizeof *kept);
+    for (size_t i = 0; i < count; i += 3)
+        if ((double)m.position[i] > 0.05 * head.half_width)
+            m.position[i + 2] -= 150.0f;
+    assert_int_equal(doubt_of(&m), HEAD_UNEVEN);
+    memcpy(m.position, kept, count * sizeof *kept);
+    for (size_t i = 0; i < count; i += 3)
+        if ((double)m.position[i + 1] < head.nose.y)
+            m.position[i + 1] += 1.5f * (m.position[i + 1] - (float)head.nose.y);
+    assert_int_equal(doubt_of(&m), HEAD_UNUSUAL);
+    free(kept);
+    mesh_destroy(&m);
+}
+
 static void a_brim_is_no_face(void **state)
 {
     (void)state;
@@ -861,6 +932,8 @@ int main(void)
         cmocka_unit_test(one_name_for_all_says_nothing),
         cmocka_unit_test(a_hat_is_no_face),
         cmocka_unit_test(the_face_of_a_toy_is_on_its_head),
+        cmocka_unit_test(the_face_of_an_animal_is_at_its_front),
+        cmocka_unit_test(an_unusual_face_is_unsure),
         cmocka_unit_test(a_brim_is_no_face),
         cmocka_unit_test(plain_heads_and_boxes_are_drafted),
         cmocka_unit_test(a_bust_has_its_face_on_its_head),

@@ -2,6 +2,7 @@
 
 #include "base/percentile.h"
 #include "face/bind.h"
+#include "face/rig/rig_outline.h"
 #include "mesh/position.h"
 
 #include <ctype.h>
@@ -497,6 +498,25 @@ static bool has_eyes_below(const rig_anatomy *a, const mesh *m, const rows *r, i
     return false;
 }
 
+/* Cuts off what lies behind and below the head of an animal on four legs. Returns false if it is
+ * none. */
+static bool cut_off_animal(rig_anatomy *a, const mesh *m, vec3 low, vec3 high)
+{
+    outline_head head;
+    if (!rig_outline_find_head(&head, m, a->is_head, low, high))
+        return false;
+    a->neck_up = (vec3){0.0, head.up_y, head.up_z};
+    a->neck = vec3_sub((vec3){0.5 * (low.x + high.x), head.y, head.z},
+                       vec3_scale(a->neck_up, 1.1 * head.radius_mm));
+    a->legs_y = head.y - 1.3 * head.radius_mm;
+    for (uint32_t v = 0; v < m->vertex_count; ++v) {
+        const vec3 p = mesh_position(m, v);
+        a->is_head[v] &= p.y >= a->legs_y && vec3_dot(vec3_sub(p, a->neck), a->neck_up) >= 0.0;
+    }
+    a->has_body = a->is_on_four_legs = true;
+    return true;
+}
+
 /* Cuts the head off at the neck. A head alone has no shoulders. A whole body is far higher than it
  * is deep. */
 static void cut_off_body(rig_anatomy *a, const mesh *m, vec3 low, vec3 high)
@@ -504,6 +524,10 @@ static void cut_off_body(rig_anatomy *a, const mesh *m, vec3 low, vec3 high)
     rows *r = malloc(sizeof *r);
     if (!r)
         return;
+    if (cut_off_animal(a, m, low, high)) {
+        free(r);
+        return;
+    }
     fill_rows(r, m, a->is_head, low, high);
     count_head(a, m);
     bool is_tall = high.y - low.y > 2.2 * (high.z - low.z);
@@ -1032,7 +1056,7 @@ static void extend_to_neck(rig_anatomy *a, const mesh *m)
 {
     const anatomy_piece *face = &a->piece[a->face];
     vec3 size = vec3_sub(face->high, face->low);
-    if (!a->has_body || a->head_count > 1 || size.y > 2.2 * size.z ||
+    if (!a->has_body || a->is_on_four_legs || a->head_count > 1 || size.y > 2.2 * size.z ||
         face->head_count == face->point_count)
         return;
     rows *r = malloc(sizeof *r);
@@ -1234,8 +1258,10 @@ static void correct_mouth(rig_anatomy *a, const mesh *m)
 
 mrt_result rig_anatomy_find(rig_anatomy *out, const mesh *m, const topology *t, error *err)
 {
-    *out = (rig_anatomy){
-        .head_joint = MESH_NO_JOINT, .jaw_joint = MESH_NO_JOINT, .head_piece = UINT32_MAX};
+    *out = (rig_anatomy){.head_joint = MESH_NO_JOINT,
+                         .jaw_joint = MESH_NO_JOINT,
+                         .head_piece = UINT32_MAX,
+                         .neck_up = {0.0, 1.0, 0.0}};
     out->is_head = calloc((size_t)m->vertex_count + 1, 1);
     out->is_face = calloc((size_t)m->vertex_count + 1, 1);
     out->hidden_mm = calloc((size_t)m->vertex_count + 1, sizeof *out->hidden_mm);

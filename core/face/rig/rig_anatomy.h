@@ -50,8 +50,11 @@ typedef struct rig_anatomy {
     uint32_t head_piece; /* the piece that is the head of a figure; UINT32_MAX: not found so */
     uint32_t head_joint, jaw_joint; /* MESH_NO_JOINT if the file has none */
     bool has_body;
-    vec3 neck;     /* centre of the head's rotation on a body, mm */
-    bool has_face; /* `head` was measured; false for a head without a profile */
+    bool is_on_four_legs; /* the body lies behind the head and below legs_y, not only below it */
+    double legs_y;        /* mm; legs may reach further forward than the head */
+    vec3 neck;            /* centre of the head's rotation on a body, mm */
+    vec3 neck_up;         /* unit vector from the body to the head */
+    bool has_face;        /* `head` was measured; false for a head without a profile */
     rig_head head;
     bool is_mouth_of_shape; /* its place is from a shape of the file, not from the profile */
     bool has_parted_lips;   /* the surface connects the lips only around the corners */

@@ -604,8 +604,32 @@ static void check_spacing(checking *c)
            c->radius_mm, sum / count, ceil(2.0 * sum / count));
 }
 
+static bool is_above(const checking *c, uint32_t contact, uint32_t other)
+{
+    return mesh_position(c->m, c->r->contact[contact].vertex).y >
+           mesh_position(c->m, c->r->contact[other].vertex).y;
+}
+
+/* From the tip of the nose down to the chin, each contact lies below the one before it. */
+static void check_lips(checking *c)
+{
+    static const char *const down[] = {"nose.tip", "lip.upper.mid", "lip.lower.mid", "chin"};
+    uint32_t above = RIG_NONE;
+    for (int i = 0; i < 4; ++i) {
+        const uint32_t contact = rig_find_contact(c->r, down[i]);
+        if (contact == RIG_NONE)
+            continue;
+        if (above != RIG_NONE && !is_above(c, above, contact))
+            report(c, RIG_WARNING, "$.contacts",
+                   "\"%s\" does not lie below \"%s\": is the mouth between nose and chin?", down[i],
+                   c->r->contact[above].name);
+        above = contact;
+    }
+}
+
 static void check_contacts(checking *c)
 {
+    check_lips(c);
     for (uint32_t i = 0; i < c->r->contact_count; ++i) {
         json_path path = rig_entry_path(c->r, RIG_CONTACTS, i);
         check_side(c, i, &path);
@@ -698,6 +722,31 @@ static void check_opening(checking *c, uint32_t jaw, const json_path *path)
            head_mm);
 }
 
+static void check_teeth(checking *c, const rig_bone *jaw, const json_path *path)
+{
+    const uint32_t upper = rig_find_contact(c->r, "lip.upper.mid"),
+                   lower = rig_find_contact(c->r, "lip.lower.mid");
+    if (!jaw->has_incisor || upper == RIG_NONE || lower == RIG_NONE)
+        return;
+    const double lips_z = fmax(mesh_position(c->m, c->r->contact[upper].vertex).z,
+                               mesh_position(c->m, c->r->contact[lower].vertex).z);
+    if (jaw->incisor.z > lips_z)
+        report(c, RIG_WARNING, path->text,
+               "the lower front teeth (\"incisor\") lie %.1f mm before the lips; move them behind",
+               jaw->incisor.z - lips_z);
+}
+
+static void check_moved(checking *c, uint32_t jaw, const json_path *path)
+{
+    const uint32_t count = c->m->vertex_count;
+    float most = 0.0f;
+    for (uint32_t v = 0; c->binding && v < count; ++v)
+        most = fmaxf(most, c->binding->weight[(size_t)jaw * count + v]);
+    if (c->binding && most < 0.5f)
+        report(c, RIG_WARNING, path->text,
+               "the jaw moves no skin; add a region of its bone on the chin and the lower lip");
+}
+
 static void check_jaw(checking *c)
 {
     uint32_t jaw = rig_find_jaw(c->r);
@@ -709,6 +758,8 @@ static void check_jaw(checking *c)
     if (c->head)
         check_axis(c, &c->r->bone[jaw], &path);
     check_opening(c, jaw, &path);
+    check_teeth(c, &c->r->bone[jaw], &path);
+    check_moved(c, jaw, &path);
 }
 
 /* ---- poses ---- */

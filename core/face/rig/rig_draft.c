@@ -56,6 +56,13 @@ typedef struct drafting {
     char *confirm;             /* lines */
 } drafting;
 
+static const char *const doubted[] = {
+    [HEAD_NO_DOUBT] = "by its shape (likely)",
+    [HEAD_PLAIN] =
+        "by the proportions of heads, since the shape shows no nose and no mouth (unsure)",
+    [HEAD_UNEVEN] = "by its shape, but its left and right side differ much (unsure)",
+    [HEAD_UNUSUAL] = "by its shape, but the chin is unusually near to the nose or far from it "
+                     "(unsure)"};
 static const char *const sure[] = {[BY_SHAPE] = "by its shape (likely)",
                                    [BY_NAME] = "by its name (certain)",
                                    [BY_SKELETON] = "by the skeleton (certain)"};
@@ -360,18 +367,41 @@ static void add_held(drafting *d, const char *bone, json_t *select)
                                                 "mobility", is_clay, "select", select));
 }
 
-/* Adds the regions of a head on a body. The file's skin decides which vertices turn with the head;
- * without a skin their height decides. */
 static double neck_softness(const drafting *d)
 {
-    return d->a.has_face ? 0.2 * (d->head.top_y - d->a.neck.y) : 0.0;
+    const vec3 top = {d->a.neck.x, d->head.top_y, d->a.neck.z};
+    return d->a.is_on_four_legs ? 0.3 * (d->head.top_y - d->a.legs_y)
+           : d->a.has_face      ? 0.2 * vec3_dot(vec3_sub(top, d->a.neck), d->a.neck_up)
+                                : 0.0;
 }
 
-static double body_top_y(const drafting *d)
+/* Returns a point on the neck's axis, mm above the neck. */
+static vec3 along_neck(const drafting *d, double mm)
 {
-    return d->a.neck.y - neck_softness(d);
+    return vec3_add(d->a.neck, vec3_scale(d->a.neck_up, mm));
 }
 
+static bool is_of_body(const drafting *d, vec3 p)
+{
+    const vec3 from = along_neck(d, -neck_softness(d));
+    return vec3_dot(vec3_sub(p, from), d->a.neck_up) < 0.0 ||
+           (d->a.is_on_four_legs && p.y < d->a.legs_y);
+}
+
+/* Selects what is_of_body() accepts. */
+static json_t *body_select(const drafting *d)
+{
+    json_t *list = json_array();
+    json_array_append_new(
+        list, half_space(along_neck(d, -neck_softness(d)), vec3_scale(d->a.neck_up, -1.0)));
+    if (d->a.is_on_four_legs)
+        json_array_append_new(list,
+                              half_space((vec3){0.0, d->a.legs_y, 0.0}, (vec3){0.0, -1.0, 0.0}));
+    return any_of(list);
+}
+
+/* Adds the regions of a head on a body. The file's skin decides which vertices turn with the head;
+ * without a skin their place decides. */
 static void add_body(drafting *d)
 {
     if (d->a.head_joint != MESH_NO_JOINT) {
@@ -384,11 +414,15 @@ static void add_body(drafting *d)
                  joint, sure[BY_SKELETON]);
         return;
     }
-    vec3 below = {0.0, body_top_y(d), 0.0}, above = {0.0, d->a.neck.y + neck_softness(d), 0.0};
-    add_held(d, "skull", beside(d, of_face(d, half_space(above, (vec3){0, 1, 0}))));
-    add_held(d, "body", of_face(d, half_space(below, (vec3){0, -1, 0})));
-    rig_note(&d->confirm, "bones body and skull: the head ends at y = %.0f mm, %s", d->a.neck.y,
-             sure[BY_SHAPE]);
+    const vec3 above = along_neck(d, neck_softness(d));
+    add_held(d, "skull", beside(d, of_face(d, half_space(above, d->a.neck_up))));
+    add_held(d, "body", of_face(d, body_select(d)));
+    if (d->a.is_on_four_legs)
+        rig_note(&d->confirm, "bones body and skull: the head ends behind z = %.0f mm, %s",
+                 d->a.neck.z, sure[BY_SHAPE]);
+    else
+        rig_note(&d->confirm, "bones body and skull: the head ends at y = %.0f mm, %s", d->a.neck.y,
+                 sure[BY_SHAPE]);
 }
 
 /* Selects vertices behind the lips that are deeper than deep_mm. */
@@ -751,13 +785,13 @@ static void find_bones(drafting *d)
     bool is_bare = d->ambition >= WITHOUT_BONES;
     d->has_jaw = d->has_body = false;
     for (uint32_t v = 0; !is_bare && v < d->m->vertex_count; ++v) {
-        const double y = mesh_position(d->m, v).y;
+        const vec3 p = mesh_position(d->m, v);
         const bool has_skin = a->head_joint != MESH_NO_JOINT;
-        d->has_jaw = d->has_jaw || (a->has_face && a->is_face[v] && y < lip_y);
+        d->has_jaw = d->has_jaw || (a->has_face && a->is_face[v] && p.y < lip_y);
         d->has_body =
             d->has_body || (a->has_body && (has_skin ? !a->is_head[v]
                                             : a->of_vertex[v] == a->face
-                                                ? y < body_top_y(d)
+                                                ? is_of_body(d, p)
                                                 : a->piece[a->of_vertex[v]].kind == PIECE_BODY));
     }
     if (a->has_face && !d->has_jaw)
@@ -854,9 +888,10 @@ static void note_assumptions(drafting *d)
              head->nose.y, head->mouth_y, head->chin.y,
              d->a.is_mouth_of_shape
                  ? "by its shape, and the mouth by the file's shape that opens it (certain)"
-             : head->is_plain ? "by the proportions of heads, since the shape shows no nose and no "
-                                "mouth (unsure)"
-                              : "by its shape (likely)");
+                 : doubted[head->doubt]);
+    if (head->doubt != HEAD_NO_DOUBT)
+        rig_note(&d->confirm, "face: look at it with marotte rig show. If the face is elsewhere, "
+                              "turn the mesh with --up and --forward, or draft its head alone");
 }
 
 static mrt_result draft_once(rig *out, drafting *d, const char *mesh_path, error *err)
@@ -1296,7 +1331,7 @@ static bool is_clear_mouth(const rig_head *head, const mouth_line *l, const uint
         const vec3 p = mesh_position(m, chain[i]);
         off += fabs(p.y - line_y(l, p.x)) / count;
     }
-    return count >= LEAST && !head->is_plain && head->corner_x > 0.0 &&
+    return count >= LEAST && head->doubt == HEAD_NO_DOUBT && head->corner_x > 0.0 &&
            head->mouth_depth > 0.015 * l->reach_mm && off < 0.02 * l->reach_mm;
 }
 

@@ -559,50 +559,6 @@ static bool is_plain(const rig_head *head, const profile p[3], int nose, int chi
            !(lips > 0.01 * span * p->row_mm) && !head->has_touching_lips;
 }
 
-mrt_result rig_head_measure(rig_head *out, const mesh *m, const uint8_t *is_face, error *err)
-{
-    static const char refusal[] = "no profile of a face was found in the mesh: it must look along "
-                                  "+z, with +y up, and have a nose and a chin";
-    bounds box = {{0, 0, 0}, {0, 0, 0}};
-    *out = (rig_head){0};
-    if (!bounds_of(&box, m, is_face) || !(box.high.y - box.low.y > 0.0) ||
-        !(box.high.z - box.low.z > 0.0) || m->triangle_count == 0)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s", refusal);
-    double height = box.high.y - box.low.y;
-    mrt_result result = choose_plane(&out->middle_x, m, is_face, &box, err);
-    profile *p = result < 0 ? NULL : malloc(3 * sizeof *p);
-    if (!p)
-        return result < 0 ? result
-                          : error_set(err, MRT_ERR_MEMORY, "no memory to measure the head");
-    /* Slightly off the plane, since edges in the plane are not cut by it. */
-    const double x = out->middle_x + 1e-4 * height, beside = 0.1 * height;
-    cut_profile(&p[0], m, is_face, x, box.low.y, box.high.y);
-    cut_profile(&p[1], m, is_face, x - beside, box.low.y, box.high.y);
-    cut_profile(&p[2], m, is_face, x + beside, box.low.y, box.high.y);
-    double mm;
-    int nose = find_nose(&mm, &p[0], &p[1], &p[2]);
-    /* A head that wears a mask is 1.2 times as deep as the mask is high, from chin to hairline. */
-    double least_depth = is_mask(&p[0]) ? 1.2 * height : 0.0;
-    int chin = nose < 0 ? -1 : find_chin(p, nose, fmax(box.high.z - box.low.z, least_depth));
-    bool is_found = nose - chin >= ROWS / 20;
-    out->nose_mm = is_found ? prominence(&p[0], &p[1], &p[2], nose) : 0.0;
-    if (is_found)
-        measure_profile(out, p, m, is_face, nose, chin, least_depth);
-    out->is_plain = !is_found || is_plain(out, p, nose, chin);
-    if (out->is_plain) {
-        nose = plain_row(p, 0.42);
-        chin = plain_row(p, 0.08);
-        is_found = nose - chin >= ROWS / 20;
-        *out = (rig_head){.middle_x = out->middle_x, .is_plain = true};
-        if (is_found)
-            measure_profile(out, p, m, is_face, nose, chin, least_depth);
-    }
-    free(p);
-    if (is_found && out->half_width > 0.0)
-        return MRT_OK;
-    return error_set(err, MRT_ERR_UNSUPPORTED, "%s", refusal);
-}
-
 /* ---- rays ---- */
 
 /* Computes the barycentric coordinates of the point in the triangle, seen along z. */
@@ -657,4 +613,141 @@ bool rig_head_hit(vec3 *out_point, uint32_t *out_vertex, const mesh *m, const ui
     if (found)
         *out_vertex = nearest_corner(m, best, *out_point);
     return found;
+}
+
+/* ---- doubts ---- */
+
+enum { DEPTH_CELLS = 64 };
+
+/* Writes the z of the foremost surface in the middle of each cell of a square of size_mm. */
+static void draw_depth(double depth[DEPTH_CELLS][DEPTH_CELLS], const mesh *m,
+                       const uint8_t *is_face, double low_x, double low_y, double size_mm)
+{
+    const double cell_mm = size_mm / DEPTH_CELLS;
+    for (int y = 0; y < DEPTH_CELLS; ++y)
+        for (int x = 0; x < DEPTH_CELLS; ++x)
+            depth[y][x] = -(double)INFINITY;
+    for (uint32_t i = 0; i < m->triangle_count; ++i) {
+        vec3 corner[3];
+        if (!is_of_face(m, is_face, i))
+            continue;
+        triangle_corners(corner, m, i);
+        double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+        for (int k = 0; k < 3; ++k) {
+            const double at[2] = {(corner[k].x - low_x) / cell_mm, (corner[k].y - low_y) / cell_mm};
+            for (int axis = 0; axis < 2; ++axis) {
+                low[axis] = fmax(fmin(low[axis], at[axis]), 0.0);
+                high[axis] = fmin(fmax(high[axis], at[axis]), DEPTH_CELLS - 1.0);
+            }
+        }
+        for (int y = (int)low[1]; y <= high[1]; ++y)
+            for (int x = (int)low[0]; x <= high[0]; ++x) {
+                double share[3];
+                if (!covers(share, corner, low_x + (x + 0.5) * cell_mm,
+                            low_y + (y + 0.5) * cell_mm))
+                    continue;
+                const double z =
+                    share[0] * corner[0].z + share[1] * corner[1].z + share[2] * corner[2].z;
+                depth[y][x] = fmax(depth[y][x], z);
+            }
+    }
+}
+
+/* Returns the share of the face, seen from the front, whose mirror image is missing or lies a fifth
+ * of the head's height before or behind it. */
+static double unevenness(const rig_head *head, const mesh *m, const uint8_t *is_face)
+{
+    double depth[DEPTH_CELLS][DEPTH_CELLS];
+    const double height = head->top_y - head->chin.y, size_mm = 0.8 * height;
+    uint32_t seen = 0, uneven = 0;
+    draw_depth(depth, m, is_face, head->middle_x - 0.5 * size_mm, head->chin.y - 0.05 * height,
+               size_mm);
+    for (int y = 0; y < DEPTH_CELLS; ++y)
+        for (int x = 0; x < DEPTH_CELLS / 2; ++x) {
+            const double left = depth[y][x], right = depth[y][DEPTH_CELLS - 1 - x];
+            if (!isfinite(left) && !isfinite(right))
+                continue;
+            seen += 1;
+            if (!(fabs(left - right) <= 0.2 * height)) /* infinite where one side is missing */
+                uneven += 1;
+        }
+    return seen > 0 ? (double)uneven / seen : 0.0;
+}
+
+/* The limits lie between heads whose faces were found and others that were taken for faces:
+ * tests/bench/heads.sh. */
+static head_doubt find_doubt(const rig_head *head, const mesh *m, const uint8_t *is_face)
+{
+    const double below_nose = (head->nose.y - head->chin.y) / (head->top_y - head->chin.y);
+    return unevenness(head, m, is_face) > 0.28            ? HEAD_UNEVEN
+           : !(below_nose > 0.25) || !(below_nose < 0.55) ? HEAD_UNUSUAL
+                                                          : HEAD_NO_DOUBT;
+}
+
+/* ---- the head ---- */
+
+/* Cuts the profile, and those to its left and right. */
+static void cut_profiles(profile p[3], const mesh *m, const uint8_t *is_face, double middle_x,
+                         double low_y, double high_y)
+{
+    /* Slightly off the plane, since edges in the plane are not cut by it. */
+    const double height = high_y - low_y, x = middle_x + 1e-4 * height, beside = 0.1 * height;
+    cut_profile(&p[0], m, is_face, x, low_y, high_y);
+    cut_profile(&p[1], m, is_face, x - beside, low_y, high_y);
+    cut_profile(&p[2], m, is_face, x + beside, low_y, high_y);
+}
+
+/* Lowers the top to that of the profile where ears or horns beside it are far higher. */
+static bool has_tall_ears(double *out_top_y, const profile *p)
+{
+    int top = ROWS - 1;
+    while (top > 0 && !isfinite(p->front[top]))
+        top -= 1;
+    *out_top_y = row_y(p, top) + 0.5 * p->row_mm;
+    return top < ROWS * 3 / 5 && top > ROWS / 5;
+}
+
+mrt_result rig_head_measure(rig_head *out, const mesh *m, const uint8_t *is_face, error *err)
+{
+    static const char refusal[] = "no profile of a face was found in the mesh: it must look along "
+                                  "+z, with +y up, and have a nose and a chin";
+    bounds box = {{0, 0, 0}, {0, 0, 0}};
+    *out = (rig_head){0};
+    if (!bounds_of(&box, m, is_face) || !(box.high.y - box.low.y > 0.0) ||
+        !(box.high.z - box.low.z > 0.0) || m->triangle_count == 0)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s", refusal);
+    mrt_result result = choose_plane(&out->middle_x, m, is_face, &box, err);
+    profile *p = result < 0 ? NULL : malloc(3 * sizeof *p);
+    if (!p)
+        return result < 0 ? result
+                          : error_set(err, MRT_ERR_MEMORY, "no memory to measure the head");
+    double mm, top_y;
+    cut_profiles(p, m, is_face, out->middle_x, box.low.y, box.high.y);
+    if (has_tall_ears(&top_y, &p[0])) {
+        box.high.y = top_y;
+        cut_profiles(p, m, is_face, out->middle_x, box.low.y, box.high.y);
+    }
+    const double height = box.high.y - box.low.y;
+    int nose = find_nose(&mm, &p[0], &p[1], &p[2]);
+    /* A head that wears a mask is 1.2 times as deep as the mask is high, from chin to hairline. */
+    double least_depth = is_mask(&p[0]) ? 1.2 * height : 0.0;
+    int chin = nose < 0 ? -1 : find_chin(p, nose, fmax(box.high.z - box.low.z, least_depth));
+    bool is_found = nose - chin >= ROWS / 20;
+    out->nose_mm = is_found ? prominence(&p[0], &p[1], &p[2], nose) : 0.0;
+    if (is_found)
+        measure_profile(out, p, m, is_face, nose, chin, least_depth);
+    if (!is_found || is_plain(out, p, nose, chin)) {
+        nose = plain_row(p, 0.42);
+        chin = plain_row(p, 0.08);
+        is_found = nose - chin >= ROWS / 20;
+        *out = (rig_head){.middle_x = out->middle_x, .doubt = HEAD_PLAIN};
+        if (is_found)
+            measure_profile(out, p, m, is_face, nose, chin, least_depth);
+    } else {
+        out->doubt = find_doubt(out, m, is_face);
+    }
+    free(p);
+    if (is_found && out->half_width > 0.0)
+        return MRT_OK;
+    return error_set(err, MRT_ERR_UNSUPPORTED, "%s", refusal);
 }

@@ -8,6 +8,16 @@
 
 enum { RIG_GROOVE = 25 };
 
+typedef enum head_doubt { /* why a person must look where the face is */
+                          HEAD_NO_DOUBT = 0,
+                          HEAD_PLAIN,   /* its shape shows no nose and no mouth: they are placed by
+                                           proportions */
+                          HEAD_UNEVEN,  /* the left side of the face is no mirror image of the right
+                                           one */
+                          HEAD_UNUSUAL, /* the chin lies too near to the nose, or too far below it
+                                         */
+} head_doubt;
+
 typedef struct rig_head { /* mm */
     double middle_x;      /* x of the symmetry plane */
     vec3 nose, chin;      /* tip of the nose; lowest point of the front that belongs to the face */
@@ -21,7 +31,7 @@ typedef struct rig_head { /* mm */
     double groove_y[RIG_GROOVE]; /* of the groove, in equal steps from the middle to corner_x */
     double top_y, back_z;        /* of the part above the chin */
     double half_width;           /* of the face's front at the height of the nose */
-    bool is_plain; /* its shape shows no nose and no mouth: they are placed by proportions */
+    head_doubt doubt;
 } rig_head;
 
 /* Measures the head. is_face has vertex_count values: 0 for vertices to ignore, such as those of
