@@ -21,7 +21,8 @@ CHECKED mrt_result bind_marks_create_bare(bind_marks *out, const rig *r, const m
 void bind_marks_destroy(bind_marks *marks);
 
 /* Sets the mesh's focus (mesh_focus): the vertices that no region gives to a body. A body is a bone
- * that the skull turns on. Without a body the mesh has no focus. */
+ * that the skull turns on. Without a body the mesh has no focus. Hair that hangs far below the face
+ * is cut off. */
 void bind_focus(mesh *m, const rig *r, const topology *t);
 
 /* Evaluates a selector: out (vertex_count) 0..1. A budget limits the work, as for the marks. */

@@ -238,7 +238,8 @@ static void lips_are_before_the_teeth_in_every_pose(void **state)
 static void lips_are_before_the_teeth_whatever_hands_perform(void **state)
 {
     (void)state;
-    enum { FRAMES = 1500, EVERY = 5 }; /* 300 hands */
+    enum { EVERY = 5 };
+    const uint32_t frames = getenv("MAROTTE_TEST_LONG") ? 1500 : 300; /* 300 hands, or 60 */
     static const struct {
         const char *name, *params;
     } mapping[] = {
@@ -256,7 +257,7 @@ static void lips_are_before_the_teeth_whatever_hands_perform(void **state)
             .mapping = mapping[i].name, .face = "puppet", .params = mapping[i].params};
         scene_face(&file, "puppet");
         scene_stand_up(&at, &play, &file);
-        for (uint32_t n = 0; n < FRAMES; ++n) {
+        for (uint32_t n = 0; n < frames; ++n) {
             scene_step(&at, &play, n);
             if (n % EVERY != EVERY - 1)
                 continue;
@@ -306,7 +307,8 @@ static void pull_randomly(face *f, const stand *s, uint64_t random, double most_
 static void lips_are_before_the_teeth_in_random_hands(void **state)
 {
     (void)state;
-    enum { HANDS = 40, STRENGTHS = 3 };
+    enum { STRENGTHS = 3 };
+    const uint64_t hand_count = getenv("MAROTTE_TEST_LONG") ? 40 : 12;
     static const double pull_mm[STRENGTHS] = {4.0, 8.0, 14.0}; /* no hand pulls as the last */
     static stand s;
     face *f;
@@ -318,7 +320,7 @@ static void lips_are_before_the_teeth_in_random_hands(void **state)
         depth deepest = {0};
         double least = 1.0;
         char of[48];
-        for (uint64_t hand = 0; hand < HANDS; ++hand) {
+        for (uint64_t hand = 0; hand < hand_count; ++hand) {
             pull_randomly(f, &s, 11 + hand, pull_mm[strength]);
             note_deepest(&deepest, &s, f);
             least = fmin(least, face_min_determinant(f));

@@ -745,6 +745,33 @@ void bind_marks_destroy(bind_marks *marks)
     *marks = (bind_marks){0};
 }
 
+static void add_to_focus(mesh *m, const float at[3])
+{
+    for (int axis = 0; axis < 3; ++axis) {
+        float low = m->has_focus ? m->focus_low[axis] : at[axis];
+        float high = m->has_focus ? m->focus_high[axis] : at[axis];
+        m->focus_low[axis] = fminf(low, at[axis]);
+        m->focus_high[axis] = fmaxf(high, at[axis]);
+    }
+    m->has_focus = true;
+}
+
+/* Cuts the focus off below the face where hair hangs down by more than half of the face's height:
+ * hands are laid on the box, and would pull the hair. */
+static void cut_off_hair(mesh *m, const bind_marks *marks)
+{
+    float low = INFINITY, high = -INFINITY;
+    for (uint32_t v = 0; v < m->vertex_count; ++v) {
+        const float y = m->position[(size_t)v * 3 + 1];
+        if (!(marks->mobility[v] > 0.5f)) /* NaN: free, but not marked as the face */
+            continue;
+        low = fminf(low, y);
+        high = fmaxf(high, y);
+    }
+    if (low <= high && m->focus_low[1] < low - 0.5f * (high - low))
+        m->focus_low[1] = low - 0.5f * (high - low);
+}
+
 void bind_focus(mesh *m, const rig *r, const topology *t)
 {
     uint32_t skull = rig_find_bone(r, "skull"), body;
@@ -753,17 +780,11 @@ void bind_focus(mesh *m, const rig *r, const topology *t)
     if (skull == RIG_NONE || (body = r->bone[skull].parent) == RIG_NONE ||
         bind_marks_create(&marks, r, m, t, NULL) < 0)
         return;
-    for (uint32_t v = 0; v < m->vertex_count; ++v) {
-        const float *at = m->position + (size_t)v * 3;
-        if (marks.rigid_bone[v] == body || marks.weight[(size_t)body * m->vertex_count + v] >= 0.5f)
-            continue;
-        for (int axis = 0; axis < 3; ++axis) {
-            float low = m->has_focus ? m->focus_low[axis] : at[axis];
-            float high = m->has_focus ? m->focus_high[axis] : at[axis];
-            m->focus_low[axis] = fminf(low, at[axis]);
-            m->focus_high[axis] = fmaxf(high, at[axis]);
-        }
-        m->has_focus = true;
-    }
+    for (uint32_t v = 0; v < m->vertex_count; ++v)
+        if (marks.rigid_bone[v] != body &&
+            !(marks.weight[(size_t)body * m->vertex_count + v] >= 0.5f))
+            add_to_focus(m, m->position + (size_t)v * 3);
+    if (m->has_focus)
+        cut_off_hair(m, &marks);
     bind_marks_destroy(&marks);
 }
