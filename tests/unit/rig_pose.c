@@ -473,12 +473,14 @@ static void a_level_and_narrow_mouth_is_neither_turned_down_nor_closed(void **st
     carry(&r, k, &narrow, 0.0);
     const vec3 u = pull_of(&r, "viseme_U", corner[0]), f = pull_of(&r, "viseme_FF", corner[0]);
     const vec3 frown = pull_of(&r, "mouthFrownLeft", corner[0]);
+    const vec3 smile = pull_of(&r, "mouthSmileLeft", corner[0]);
     print_message("  corner in U: %.1f mm of 57, then %.1f of 34; in FF %.1f mm down, then %.1f\n",
                   -pull_of(was, "viseme_U", corner[0]).x, -u.x,
                   -pull_of(was, "viseme_FF", corner[0]).y, -f.y);
     assert_true(fabs(u.x - 0.6 * 0.6 * pull_of(was, "viseme_U", corner[0]).x) < 1e-3);
     assert_true(f.y <= 0.0 && f.y > -0.1);
     assert_true(frown.y < -12.0); /* what means a mouth that goes down is no correction */
+    assert_true(fabs(smile.x - pull_of(was, "mouthSmileLeft", corner[0]).x) < 1e-3); /* has room */
     free(narrow.position);
     rig_destroy(&r);
 }

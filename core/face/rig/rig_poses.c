@@ -705,6 +705,21 @@ static double smile_of(const head *of)
     return corner.y - 0.5 * (upper.y + lower.y);
 }
 
+/* Tests whether a corner of the mouth goes outwards, and further up than out. */
+static bool smiles(const rig_pose *pose, const rig *r)
+{
+    for (uint32_t i = 0; i < pose->pull_count; ++i) {
+        const char *name = r->contact[pose->pull_contact[i]].name;
+        const vec3 way = pose->pull_mm[i];
+        const double out = strcmp(name, "mouth.corner.l") == 0   ? way.x
+                           : strcmp(name, "mouth.corner.r") == 0 ? -way.x
+                                                                 : 0.0;
+        if (out > 0.0 && way.y > out)
+            return true;
+    }
+    return false;
+}
+
 /* Tests whether a pose is a mouth whose corners go down. */
 static bool turns_down(const char *pose)
 {
@@ -723,7 +738,8 @@ typedef struct carrying {
     part_scale upper, lower; /* scale for brows, and for everything else */
     double closing;          /* scale of mouthClose */
     double smile_mm;         /* how much more the model's mouth smiles at rest */
-    double narrowing; /* 0.5..1: factor of pulls that narrow a mouth; smaller for a narrow mouth */
+    double narrowing; /* 0.5..1, smaller for a narrow mouth: factor of pulls that narrow a mouth;
+                         those of a smile are divided by it */
 } carrying;
 
 /* If the model's mouth smiles at rest, its poses also correct that smile. On a level mouth this
@@ -741,7 +757,7 @@ static double leveled(double down_mm, const char *contact, const carrying *c)
 }
 
 /* Returns the factor for pulls that narrow a mouth. If the mouth is a smaller part of its face than
- * the model's, full pulls would close it. */
+ * the model's, full pulls would close it. A smile has more room beside it then. */
 static double narrowing_of(const head *to, const head *from, double mouth_across)
 {
     double jaw_across = ratio_of(to, from, "jaw.angle.l", "jaw.angle.r");
@@ -765,6 +781,8 @@ static vec3 carried_way(vec3 way, const char *contact, const rig_pose *pose, con
     part_scale by = is_upper ? c->upper : c->lower;
     if (!is_upper && narrows(pose, c->from.rig))
         by.across *= c->narrowing;
+    if (!is_upper && smiles(pose, c->from.rig))
+        by = (part_scale){by.across / c->narrowing, by.along / c->narrowing};
     if (strcmp(pose->name, "mouthClose") == 0)
         by = (part_scale){c->closing, c->closing};
     if (!turns_down(pose->name))
