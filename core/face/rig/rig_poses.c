@@ -484,15 +484,10 @@ mrt_result rig_poses_show_named(rig_poses_stage *self, uint32_t pose, error *err
     const rig *r = &self->rig;
     const rig_pose *shown = shown_pose(&sum, r, &r->pose[pose]);
     rig_pose_part part[MRT_MAX_VECTORS] = {POSE_WHOLE};
-    vec3 rest[MRT_MAX_VECTORS];
-    uint32_t count;
-    const mrt_contact *contact = face_contacts(self->face, &count);
+    const uint32_t count = r->contact_count;
     if (!can_hold_all(count))
         return rig_poses_show(self, pose, err);
-    for (uint32_t i = 0; i < count; ++i)
-        rest[i] =
-            (vec3){(double)contact[i].rest.x, (double)contact[i].rest.y, (double)contact[i].rest.z};
-    rig_poses_contact_parts(part, r, rest);
+    rig_poses_contact_parts(part, r, face_binding(self->face)->contact_position);
     mrt_result result =
         show_named(self->face, &r->pose[pose], shown, part, count, &self->solver, err);
     if (result >= 0)
