@@ -314,7 +314,12 @@ static void poses_are_carried_to_heads_that_were_drafted(void **state)
         errors e = {.sum = 0.0};
         uint32_t folds = 0, jaw = 0;
         draft(&p.file, heads[n]);
-        must(rig_poses_transfer(p.file.rig, &p.file.mesh, puppet.rig, &puppet.mesh, &err), &err);
+        rig_poses_stage stage;
+        must(rig_poses_stage_init(&stage, p.file.rig, &p.file.mesh, &p.file.topology, &err), &err);
+        must(rig_poses_transfer(p.file.rig, &p.file.mesh, stage.face, puppet.rig, &puppet.mesh,
+                                &puppet.topology, &err),
+             &err);
+        rig_poses_stage_finish(&stage);
         begin(&p);
         csrbf_settings solver = rig_poses_solver(p.file.rig, &p.file.mesh);
         must(rig_poses_complete(p.file.rig, 0, p.face, &solver, &err), &err);

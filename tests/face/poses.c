@@ -179,8 +179,12 @@ static void check_head(const char *name)
     must(rig_draft_make(file.rig, &confirm, &file.mesh, &file.topology, path, NULL, 0, &err), name,
          &err);
     const uint32_t first = file.rig->pose_count;
-    must(rig_poses_transfer(file.rig, &file.mesh, puppet.rig, &puppet.mesh, &err), name, &err);
-    must(rig_poses_reduce(file.rig, first, &file.mesh, &file.topology, &err), name, &err);
+    must(rig_poses_stage_init(&stage, file.rig, &file.mesh, &file.topology, &err), name, &err);
+    must(rig_poses_transfer(file.rig, &file.mesh, stage.face, puppet.rig, &puppet.mesh,
+                            &puppet.topology, &err),
+         name, &err);
+    must(rig_poses_reduce(file.rig, first, &stage, &err), name, &err);
+    rig_poses_stage_finish(&stage);
     must(rig_poses_stage_init(&stage, file.rig, &file.mesh, &file.topology, &err), name, &err);
     const uint32_t count = file.mesh.vertex_count;
     float *portrait = calloc((size_t)6 * count, sizeof *portrait);

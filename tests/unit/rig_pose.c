@@ -376,50 +376,113 @@ static void what_a_pose_does_not_name_goes_with_what_it_names(void **state)
 
 /* ---- carried to another head ---- */
 
-/* A pull of the poses that a rig without poses gets of the puppet. */
-static vec3 carried_pull(const known *k, const mesh *to, const char *pose, const char *contact)
+/* A rig of that face without poses, on that mesh, gets the face's poses. radius_mm 0: as it is. */
+static void carry(rig *out, const known *k, const mesh *to, double radius_mm)
 {
     error err = {""};
+    rig_poses_stage stage;
+    must(rig_copy(out, k->file.rig, &err), &err);
+    for (uint32_t i = 0; i < out->pose_count; ++i)
+        rig_pose_finish(&out->pose[i]);
+    out->pose_count = 0;
+    out->solver.radius = radius_mm > 0.0 ? radius_mm : out->solver.radius;
+    must(rig_poses_stage_init(&stage, out, to, &k->file.topology, &err), &err);
+    must(rig_poses_transfer(out, to, stage.face, k->file.rig, &k->file.mesh, &k->file.topology,
+                            &err),
+         &err);
+    rig_poses_stage_finish(&stage);
+}
+
+static void a_pose_that_is_carried_to_its_own_face_stays_as_it_is(void **state)
+{
+    (void)state;
+    const known *k = &faces[PUPPET];
+    const rig *was = k->file.rig;
     rig r;
-    vec3 out = {(double)NAN, (double)NAN, (double)NAN};
-    must(rig_copy(&r, k->file.rig, &err), &err);
-    for (uint32_t i = 0; i < r.pose_count; ++i)
-        rig_pose_finish(&r.pose[i]);
-    r.pose_count = 0;
-    must(rig_poses_transfer(&r, to, k->file.rig, &k->file.mesh, &err), &err);
-    const rig_pose *found = &r.pose[pose_named(&r, pose)];
-    for (uint32_t i = 0; i < found->pull_count; ++i)
-        if (found->pull_contact[i] == rig_find_contact(&r, contact))
-            out = found->pull_mm[i];
+    carry(&r, k, &k->file.mesh, 0.0);
+    assert_int_equal(r.pose_count, was->pose_count);
+    for (uint32_t i = 0; i < r.pose_count; ++i) {
+        assert_string_equal(r.pose[i].name, was->pose[i].name);
+        assert_int_equal(r.pose[i].pull_count, was->pose[i].pull_count);
+        for (uint32_t n = 0; n < r.pose[i].pull_count; ++n) {
+            assert_int_equal(r.pose[i].pull_contact[n], was->pose[i].pull_contact[n]);
+            assert_true(vec3_length(vec3_sub(r.pose[i].pull_mm[n], was->pose[i].pull_mm[n])) <
+                        1e-6);
+        }
+    }
     rig_destroy(&r);
-    return out;
+}
+
+/* Fields that reach twice as far are what a mouth of half the size sees: a lip that rises would
+ * lift the other one and the nose. */
+static void what_a_carried_pose_does_not_name_goes_as_on_the_model(void **state)
+{
+    (void)state;
+    known *k = &faces[PUPPET];
+    const rig *was = &k->stage.rig;
+    error err = {""};
+    rig_poses_stage wide;
+    rig r;
+    double most = 0.0;
+    carry(&r, k, &k->file.mesh, 2.0 * k->file.rig->solver.radius);
+    must(rig_poses_stage_init(&wide, &r, &k->file.mesh, &k->file.topology, &err), &err);
+    for (uint32_t i = 0; i < was->pose_count; ++i) {
+        const rig_pose *pose = &was->pose[i];
+        show(&k->stage, i);
+        must(rig_poses_show(&wide, pose_named(&r, pose->name), &err), &err);
+        for (uint32_t n = 0; n < was->contact_count; ++n) {
+            const size_t v = was->contact[n].vertex;
+            const float *a = k->stage.position + 3 * v, *b = wide.position + 3 * v;
+            most = fmax(most, vec3_length((vec3){(double)(a[0] - b[0]), (double)(a[1] - b[1]),
+                                                 (double)(a[2] - b[2])}));
+            if (!(most < 1.0))
+                fail_msg("%s, %s: %.2f mm", pose->name, was->contact[n].name, most);
+        }
+    }
+    print_message("  contacts go as on the model within %.2f mm\n", most);
+    rig_poses_stage_finish(&wide);
+    rig_destroy(&r);
+}
+
+static vec3 pull_of(const rig *r, const char *pose, const char *contact)
+{
+    const rig_pose *found = &r->pose[pose_named(r, pose)];
+    for (uint32_t i = 0; i < found->pull_count; ++i)
+        if (found->pull_contact[i] == rig_find_contact(r, contact))
+            return found->pull_mm[i];
+    return (vec3){(double)NAN, (double)NAN, (double)NAN};
 }
 
 static void a_level_and_narrow_mouth_is_neither_turned_down_nor_closed(void **state)
 {
     (void)state;
     static const char *const corner[] = {"mouth.corner.l", "mouth.corner.r"};
-    known *k = &faces[PUPPET];
+    const known *k = &faces[PUPPET];
+    const rig *was = k->file.rig;
+    rig r;
     mesh narrow = k->file.mesh;
     const size_t size = (size_t)3 * narrow.vertex_count * sizeof(float);
     narrow.position = malloc(size);
     assert_non_null(narrow.position);
     memcpy(narrow.position, k->file.mesh.position, size);
-    const vec3 same_u = carried_pull(k, &narrow, "viseme_U", corner[0]);
-    const vec3 same_f = carried_pull(k, &narrow, "viseme_FF", corner[0]);
     for (int side = 0; side < 2; ++side) {
-        const uint32_t v = k->file.rig->contact[rig_find_contact(k->file.rig, corner[side])].vertex;
+        const uint32_t v = was->contact[rig_find_contact(was, corner[side])].vertex;
         narrow.position[(size_t)3 * v] *= 0.6f;
         narrow.position[(size_t)3 * v + 1] = -38.5f; /* the middle of the lips */
     }
-    const vec3 u = carried_pull(k, &narrow, "viseme_U", corner[0]);
-    const vec3 f = carried_pull(k, &narrow, "viseme_FF", corner[0]);
+    carry(&r, k, &narrow, 0.0);
+    const vec3 u = pull_of(&r, "viseme_U", corner[0]), f = pull_of(&r, "viseme_FF", corner[0]);
+    const vec3 frown = pull_of(&r, "mouthFrownLeft", corner[0]);
+    const vec3 smile = pull_of(&r, "mouthSmileLeft", corner[0]);
     print_message("  corner in U: %.1f mm of 57, then %.1f of 34; in FF %.1f mm down, then %.1f\n",
-                  -same_u.x, -u.x, -same_f.y, -f.y);
-    assert_true(fabs(same_u.x + 36.5) < 1e-6 && fabs(same_f.y + 6.0) < 1e-6);
-    assert_true(fabs(u.x - 0.6 * 0.6 * same_u.x) < 1e-3);
+                  -pull_of(was, "viseme_U", corner[0]).x, -u.x,
+                  -pull_of(was, "viseme_FF", corner[0]).y, -f.y);
+    assert_true(fabs(u.x - 0.6 * 0.6 * pull_of(was, "viseme_U", corner[0]).x) < 1e-3);
     assert_true(f.y <= 0.0 && f.y > -0.1);
+    assert_true(frown.y < -12.0); /* what means a mouth that goes down is no correction */
+    assert_true(fabs(smile.x - pull_of(was, "mouthSmileLeft", corner[0]).x) < 1e-3); /* has room */
     free(narrow.position);
+    rig_destroy(&r);
 }
 
 /* ---- expressions ---- */
@@ -614,6 +677,8 @@ int main(void)
         cmocka_unit_test(no_pose_is_left_in_the_next),
         cmocka_unit_test(a_pose_that_folds_is_measured_as_one),
         cmocka_unit_test(a_shape_becomes_a_pose_that_gives_the_shape),
+        cmocka_unit_test(a_pose_that_is_carried_to_its_own_face_stays_as_it_is),
+        cmocka_unit_test(what_a_carried_pose_does_not_name_goes_as_on_the_model),
         cmocka_unit_test(a_level_and_narrow_mouth_is_neither_turned_down_nor_closed),
         cmocka_unit_test(expressions_are_sound_and_told_apart),
     };

@@ -284,6 +284,11 @@ mrt_result rig_poses_show(rig_poses_stage *self, uint32_t pose, error *err)
 
 static const double least_follow_mm = 0.05;
 
+static bool can_follow(const rig *r)
+{
+    return r->contact_count > 0 && can_hold_all(r->contact_count);
+}
+
 /* A small face with only the contacts as vertices. Positions follow the formula of face.h without
  * projection and limit, so a pose takes about 0.1 ms. */
 typedef struct contacts_alone {
@@ -295,11 +300,10 @@ typedef struct contacts_alone {
     arrays arrays;
 } contacts_alone;
 
-static mrt_result contacts_alone_create(contacts_alone *out, const rig *r, const face *f,
-                                        error *err)
+/* from: of r. incisor: of the jaw. */
+static mrt_result contacts_alone_create(contacts_alone *out, const rig *r, const binding *from,
+                                        vec3 incisor, error *err)
 {
-    const binding *from = face_binding(f);
-    const bones *b = face_bones(f);
     const uint32_t count = r->contact_count;
     *out = (contacts_alone){.rig = {.path = r->path,
                                     .name = r->name,
@@ -322,18 +326,17 @@ static mrt_result contacts_alone_create(contacts_alone *out, const rig *r, const
     memcpy(out->rig.bone, r->bone, r->bone_count * sizeof *r->bone);
     for (uint32_t i = 0; i < r->bone_count; ++i)
         if (r->bone[i].kind == BONE_JAW) {
-            out->rig.bone[i].incisor = b->incisor;
+            out->rig.bone[i].incisor = incisor;
             out->rig.bone[i].has_incisor = true;
         }
-    uint32_t contact_count;
-    const mrt_contact *contact = face_contacts(f, &contact_count);
     for (uint32_t i = 0; i < count; ++i) {
         const size_t v = r->contact[i].vertex;
         out->rig.contact[i] = r->contact[i];
         out->rig.contact[i].vertex = i;
-        out->rest[i] =
-            (vec3){(double)contact[i].rest.x, (double)contact[i].rest.y, (double)contact[i].rest.z};
-        memcpy(position + 3 * (size_t)i, &contact[i].rest, 3 * sizeof *position);
+        out->rest[i] = from->contact_position[i];
+        position[3 * (size_t)i] = (float)out->rest[i].x;
+        position[3 * (size_t)i + 1] = (float)out->rest[i].y;
+        position[3 * (size_t)i + 2] = (float)out->rest[i].z;
         small.mobility[i] = from->mobility[v];
         for (size_t bone = 0; bone < from->bone_count; ++bone)
             small.weight[bone * count + i] = from->weight[bone * from->vertex_count + v];
@@ -441,27 +444,36 @@ static mrt_result add_follows(rig_pose *pose, const held *all, error *err)
     return MRT_OK;
 }
 
+/* Finds where the contacts go that a pose of r does not name. */
+static mrt_result complete(rig_pose *pose, const rig *r, contacts_alone *alone,
+                           const csrbf_settings *solver, error *err)
+{
+    summed_pose sum;
+    held all;
+    error ignored = {""}; /* reported when the pose is performed */
+    csrbf_settings free_solver = *solver;
+    free_solver.stretch_most = -1.0;
+    pose->follow_count = 0;
+    if (pose->pull_count == 0)
+        return MRT_OK;
+    const rig_pose *shown = shown_pose(&sum, r, pose);
+    if (find_follows(&all, alone, pose, shown, &free_solver, &ignored) < 0)
+        return MRT_OK;
+    return add_follows(pose, &all, err);
+}
+
 mrt_result rig_poses_complete(rig *r, uint32_t first, const face *f, const csrbf_settings *solver,
                               error *err)
 {
     contacts_alone alone;
-    csrbf_settings free_solver = *solver;
-    free_solver.stretch_most = -1.0;
     for (uint32_t i = first; i < r->pose_count; ++i)
         r->pose[i].follow_count = 0;
-    if (first >= r->pose_count || r->contact_count == 0 || !can_hold_all(r->contact_count))
+    if (first >= r->pose_count || !can_follow(r))
         return MRT_OK;
-    mrt_result result = contacts_alone_create(&alone, r, f, err);
-    for (uint32_t i = first; i < r->pose_count && result >= 0; ++i) {
-        summed_pose sum;
-        held all;
-        error ignored = {""}; /* reported when the pose is performed */
-        if (r->pose[i].pull_count == 0)
-            continue;
-        const rig_pose *shown = shown_pose(&sum, r, &r->pose[i]);
-        if (find_follows(&all, &alone, &r->pose[i], shown, &free_solver, &ignored) >= 0)
-            result = add_follows(&r->pose[i], &all, err);
-    }
+    mrt_result result =
+        contacts_alone_create(&alone, r, face_binding(f), face_bones(f)->incisor, err);
+    for (uint32_t i = first; i < r->pose_count && result >= 0; ++i)
+        result = complete(&r->pose[i], r, &alone, solver, err);
     contacts_alone_destroy(&alone);
     return result;
 }
@@ -472,15 +484,10 @@ mrt_result rig_poses_show_named(rig_poses_stage *self, uint32_t pose, error *err
     const rig *r = &self->rig;
     const rig_pose *shown = shown_pose(&sum, r, &r->pose[pose]);
     rig_pose_part part[MRT_MAX_VECTORS] = {POSE_WHOLE};
-    vec3 rest[MRT_MAX_VECTORS];
-    uint32_t count;
-    const mrt_contact *contact = face_contacts(self->face, &count);
+    const uint32_t count = r->contact_count;
     if (!can_hold_all(count))
         return rig_poses_show(self, pose, err);
-    for (uint32_t i = 0; i < count; ++i)
-        rest[i] =
-            (vec3){(double)contact[i].rest.x, (double)contact[i].rest.y, (double)contact[i].rest.z};
-    rig_poses_contact_parts(part, r, rest);
+    rig_poses_contact_parts(part, r, face_binding(self->face)->contact_position);
     mrt_result result =
         show_named(self->face, &r->pose[pose], shown, part, count, &self->solver, err);
     if (result >= 0)
@@ -538,8 +545,9 @@ static mrt_result find_ways(vec3 *out, face *f, const csrbf_settings *solver, ui
 }
 
 /* Adds pulls of contacts that the other pulled contacts do not bring to their place. Repeats until
- * no contact is added. */
-static mrt_result add_pulls(rig_pose *out, const face *f, const rig *r,
+ * no contact is added. way: of each contact, mm; NaN: wherever the others bring it. alone NULL: the
+ * rig has too many contacts to follow. */
+static mrt_result add_pulls(rig_pose *out, contacts_alone *alone, const rig *r,
                             const csrbf_settings *solver, const vec3 *way, error *err)
 {
     uint32_t before = RIG_NONE;
@@ -549,7 +557,8 @@ static mrt_result add_pulls(rig_pose *out, const face *f, const rig *r,
         uint32_t count = before = out->pull_count;
         one.pose = out;
         one.pose_count = 1;
-        result = rig_poses_complete(&one, 0, f, solver, err);
+        if (alone)
+            result = complete(out, &one, alone, solver, err);
         vec3 *follow = calloc(r->contact_count + (size_t)1, sizeof *follow);
         bool *is_named = calloc(r->contact_count + (size_t)1, sizeof *is_named);
         for (uint32_t i = 0; follow && is_named && i < count + out->follow_count; ++i) {
@@ -576,6 +585,8 @@ mrt_result rig_poses_of(rig_pose *out, const char *name, face *f, uint32_t room,
 {
     const bones *b = face_bones(f);
     const uint32_t most = room < MRT_MAX_VECTORS ? room : MRT_MAX_VECTORS;
+    const bool follows = can_follow(r);
+    contacts_alone alone = {.face = NULL};
     vec3 *way = calloc(r->contact_count + (size_t)1, sizeof *way);
     mrt_result result = MRT_OK;
     if (!allocate_pose(out, name, b->dof_count, r->contact_count) || !set_dofs(out, b, dof) || !way)
@@ -584,8 +595,11 @@ mrt_result rig_poses_of(rig_pose *out, const char *name, face *f, uint32_t room,
         const uint32_t left = r->contact_count - first;
         result = find_ways(way, f, solver, first, left < most ? left : most, at, dof, err);
     }
+    if (result >= 0 && follows)
+        result = contacts_alone_create(&alone, r, face_binding(f), face_bones(f)->incisor, err);
     if (result >= 0)
-        result = add_pulls(out, f, r, solver, way, err);
+        result = add_pulls(out, follows ? &alone : NULL, r, solver, way, err);
+    contacts_alone_destroy(&alone);
     face_reset(f);
     free(way);
     if (result < 0)
@@ -686,12 +700,41 @@ static double smile_of(const head *of)
     return corner.y - 0.5 * (upper.y + lower.y);
 }
 
+/* Tests whether a corner of the mouth goes outwards, and further up than out. */
+static bool smiles(const rig_pose *pose, const rig *r)
+{
+    for (uint32_t i = 0; i < pose->pull_count; ++i) {
+        const char *name = r->contact[pose->pull_contact[i]].name;
+        const vec3 way = pose->pull_mm[i];
+        const double out = strcmp(name, "mouth.corner.l") == 0   ? way.x
+                           : strcmp(name, "mouth.corner.r") == 0 ? -way.x
+                                                                 : 0.0;
+        if (out > 0.0 && way.y > out)
+            return true;
+    }
+    return false;
+}
+
+/* Tests whether a pose is a mouth whose corners go down. */
+static bool turns_down(const char *pose)
+{
+    static const char *const down[] = {"mouthFrown", "mouthStretch", "sadness",
+                                       "anger",      "fear",         "disgust"};
+    for (size_t i = 0; i < sizeof down / sizeof *down; ++i)
+        if (starts(pose, down[i]))
+            return true;
+    return false;
+}
+
 typedef struct carrying {
     head to, from;
+    contacts_alone *alone;   /* of `to`; NULL: only what a pose names is carried */
+    csrbf_settings solver;   /* of `to` */
     part_scale upper, lower; /* scale for brows, and for everything else */
     double closing;          /* scale of mouthClose */
     double smile_mm;         /* how much more the model's mouth smiles at rest */
-    double narrowing; /* 0.5..1: factor of pulls that narrow a mouth; smaller for a narrow mouth */
+    double narrowing; /* 0.5..1, smaller for a narrow mouth: factor of pulls that narrow a mouth;
+                         those of a smile are divided by it */
 } carrying;
 
 /* If the model's mouth smiles at rest, its poses also correct that smile. On a level mouth this
@@ -709,7 +752,7 @@ static double leveled(double down_mm, const char *contact, const carrying *c)
 }
 
 /* Returns the factor for pulls that narrow a mouth. If the mouth is a smaller part of its face than
- * the model's, full pulls would close it. */
+ * the model's, full pulls would close it. A smile has more room beside it then. */
 static double narrowing_of(const head *to, const head *from, double mouth_across)
 {
     double jaw_across = ratio_of(to, from, "jaw.angle.l", "jaw.angle.r");
@@ -727,14 +770,53 @@ static bool narrows(const rig_pose *pose, const rig *r)
     return left && right;
 }
 
-/* Returns false if the result would not be that pose, or without memory. */
+static vec3 carried_way(vec3 way, const char *contact, const rig_pose *pose, const carrying *c)
+{
+    bool is_upper = starts(contact, "brow") || starts(contact, "forehead");
+    part_scale by = is_upper ? c->upper : c->lower;
+    if (!is_upper && narrows(pose, c->from.rig))
+        by.across *= c->narrowing;
+    if (!is_upper && smiles(pose, c->from.rig))
+        by = (part_scale){by.across / c->narrowing, by.along / c->narrowing};
+    if (strcmp(pose->name, "mouthClose") == 0)
+        by = (part_scale){c->closing, c->closing};
+    if (!turns_down(pose->name))
+        way.y = leveled(way.y, contact, c);
+    return (vec3){by.across * way.x, by.along * way.y, by.along * way.z};
+}
+
+/* What the model's pose does not name goes as far as on the model, or stays, where the named pulls
+ * would bring it elsewhere: on a smaller mouth the lips are nearer to each other and to the nose
+ * than a field reaches. */
+static mrt_result carry_follows(rig_pose *out, const rig_pose *pose, const carrying *c, error *err)
+{
+    const rig *r = c->to.rig;
+    vec3 way[MRT_MAX_VECTORS];
+    if (!c->alone || out->pull_count == 0)
+        return MRT_OK;
+    for (uint32_t i = 0; i < r->contact_count; ++i) {
+        uint32_t at = rig_find_contact(c->from.rig, r->contact[i].name), k = 0;
+        bool is_of_part = pose->part == POSE_WHOLE || c->alone->part[i] == pose->part;
+        way[i] = (vec3){(double)NAN, (double)NAN, (double)NAN};
+        if (at == RIG_NONE || !is_of_part)
+            continue;
+        while (k < pose->pull_count + pose->follow_count && pose->pull_contact[k] != at)
+            k += 1;
+        vec3 was = k < pose->pull_count + pose->follow_count ? pose->pull_mm[k] : (vec3){0, 0, 0};
+        way[i] = carried_way(was, r->contact[i].name, pose, c);
+    }
+    return add_pulls(out, c->alone, r, &c->solver, way, err);
+}
+
+/* pose: complete. Returns false if the result would not be that pose, or without memory. */
 static bool carry_pose(rig_pose *out, const rig_pose *pose, const carrying *c)
 {
-    bool closes = strcmp(pose->name, "mouthClose") == 0;
-    double narrowing = narrows(pose, c->from.rig) ? c->narrowing : 1.0;
+    error ignored = {""};
+    const uint32_t most =
+        pose->pull_count > c->to.rig->contact_count ? pose->pull_count : c->to.rig->contact_count;
     bool is_of_eye = starts(pose->name, "eye") || starts(pose->name, "wink_") ||
                      strcmp(pose->name, "sleepy") == 0;
-    if (!allocate_pose(out, pose->name, pose->dof_count, pose->pull_count))
+    if (!allocate_pose(out, pose->name, pose->dof_count, most))
         return false;
     out->part = pose->part;
     for (uint32_t i = 0; i < pose->dof_count; ++i)
@@ -744,20 +826,13 @@ static bool carry_pose(rig_pose *out, const rig_pose *pose, const carrying *c)
     for (uint32_t i = 0; i < pose->pull_count; ++i) {
         const char *name = c->from.rig->contact[pose->pull_contact[i]].name;
         uint32_t at = rig_find_contact(c->to.rig, name);
-        bool is_upper = starts(name, "brow") || starts(name, "forehead");
-        part_scale by = is_upper ? c->upper : c->lower;
-        if (!is_upper)
-            by.across *= narrowing;
-        if (closes)
-            by = (part_scale){c->closing, c->closing};
         if (at == RIG_NONE)
             continue;
-        vec3 way = pose->pull_mm[i];
-        way.y = leveled(way.y, name, c);
         out->pull_contact[out->pull_count] = at;
-        out->pull_mm[out->pull_count++] =
-            (vec3){by.across * way.x, by.along * way.y, by.along * way.z};
+        out->pull_mm[out->pull_count++] = carried_way(pose->pull_mm[i], name, pose, c);
     }
+    if (carry_follows(out, pose, c, &ignored) < 0)
+        return false;
     return out->dof_count + out->pull_count > 0 || pose->dof_count + pose->pull_count == 0;
 }
 
@@ -782,21 +857,15 @@ static bool has_shape(const mesh *m, const char *name)
     return found;
 }
 
-mrt_result rig_poses_transfer(rig *r, const mesh *m, const rig *model, const mesh *model_mesh,
-                              error *err)
+static bool is_missing(const rig_pose *pose, const head *of)
 {
-    carrying c = {.to = {.rig = r, .mesh = m}, .from = {.rig = model, .mesh = model_mesh}};
-    mrt_result result = bones_init(&c.to.bones, r, (vec3){0, 0, 0}, err);
-    if (result >= 0)
-        result = bones_init(&c.from.bones, model, (vec3){0, 0, 0}, err);
-    if (result < 0)
-        return result;
-    c.upper = scale_of(&c.to, &c.from, "brow.outer.l", "brow.outer.r", "brow.mid.l", "nose.tip");
-    c.lower = scale_of(&c.to, &c.from, "mouth.corner.l", "mouth.corner.r", "nose.tip", "chin");
-    c.closing = lip_travel(&c.to) / fmax(lip_travel(&c.from), 1.0);
-    c.smile_mm = c.lower.along > 0.0 ? smile_of(&c.from) - smile_of(&c.to) / c.lower.along : 0.0;
-    c.smile_mm = fmax(c.smile_mm, 0.0);
-    c.narrowing = narrowing_of(&c.to, &c.from, c.lower.across);
+    return is_carried(pose->name) && !find_pose(of->rig, pose->name) &&
+           !has_shape(of->mesh, pose->name);
+}
+
+static mrt_result carry_poses(rig *r, const carrying *c, error *err)
+{
+    const rig *model = c->from.rig;
     rig_pose *grown =
         realloc(r->pose, ((size_t)r->pose_count + model->pose_count + 1) * sizeof *grown);
     if (!grown)
@@ -804,14 +873,69 @@ mrt_result rig_poses_transfer(rig *r, const mesh *m, const rig *model, const mes
     r->pose = grown;
     for (uint32_t i = 0; i < model->pose_count; ++i) {
         const rig_pose *pose = &model->pose[i];
-        if (!is_carried(pose->name) || find_pose(r, pose->name) || has_shape(m, pose->name))
+        if (!is_missing(pose, &c->to))
             continue;
-        if (carry_pose(&r->pose[r->pose_count], pose, &c))
+        if (carry_pose(&r->pose[r->pose_count], pose, c))
             r->pose_count += 1;
         else
             rig_pose_finish(&r->pose[r->pose_count]);
     }
     return MRT_OK;
+}
+
+static mrt_result complete_model(rig *out, const carrying *c, const topology *t, error *err)
+{
+    binding bound = {0};
+    contacts_alone alone = {.face = NULL};
+    const csrbf_settings solver = rig_poses_solver(out, c->from.mesh);
+    mrt_result result = binding_create(&bound, out, c->from.mesh, t, err);
+    if (result >= 0)
+        result = contacts_alone_create(&alone, out, &bound, c->from.bones.incisor, err);
+    for (uint32_t i = 0; i < out->pose_count && result >= 0; ++i)
+        result = complete(&out->pose[i], out, &alone, &solver, err);
+    contacts_alone_destroy(&alone);
+    binding_destroy(&bound);
+    return result;
+}
+
+static void measure_heads(carrying *c)
+{
+    c->upper = scale_of(&c->to, &c->from, "brow.outer.l", "brow.outer.r", "brow.mid.l", "nose.tip");
+    c->lower = scale_of(&c->to, &c->from, "mouth.corner.l", "mouth.corner.r", "nose.tip", "chin");
+    c->closing = lip_travel(&c->to) / fmax(lip_travel(&c->from), 1.0);
+    c->smile_mm =
+        c->lower.along > 0.0 ? smile_of(&c->from) - smile_of(&c->to) / c->lower.along : 0.0;
+    c->smile_mm = fmax(c->smile_mm, 0.0);
+    c->narrowing = narrowing_of(&c->to, &c->from, c->lower.across);
+}
+
+mrt_result rig_poses_transfer(rig *r, const mesh *m, const face *f, const rig *model,
+                              const mesh *model_mesh, const topology *model_topology, error *err)
+{
+    rig whole;
+    contacts_alone alone = {.face = NULL};
+    carrying c = {.to = {r, m, *face_bones(f)}, .from = {.rig = &whole, .mesh = model_mesh}};
+    uint32_t missing = 0;
+    for (uint32_t i = 0; i < model->pose_count; ++i)
+        missing += is_missing(&model->pose[i], &c.to);
+    mrt_result result = missing > 0 ? rig_copy(&whole, model, err) : MRT_OK;
+    if (missing == 0 || result < 0)
+        return result;
+    result = bones_init(&c.from.bones, model, (vec3){0, 0, 0}, err);
+    if (result >= 0 && can_follow(r) && can_follow(model)) {
+        c.alone = &alone;
+        c.solver = rig_poses_solver(r, m);
+        result = complete_model(&whole, &c, model_topology, err);
+        if (result >= 0)
+            result = contacts_alone_create(&alone, r, face_binding(f), c.to.bones.incisor, err);
+    }
+    if (result >= 0) {
+        measure_heads(&c);
+        result = carry_poses(r, &c, err);
+    }
+    contacts_alone_destroy(&alone);
+    rig_destroy(&whole);
+    return result;
 }
 
 static void scale_pulls(rig_pose *pose, double by)
@@ -869,20 +993,32 @@ static mrt_result ease(rig_poses_stage *stage, bool *is_engaged, rig_pose *pose,
     return result;
 }
 
-mrt_result rig_poses_reduce(rig *r, uint32_t first, const mesh *m, const topology *t, error *err)
+static mrt_result take_poses(rig_poses_stage *stage, const rig *r, error *err)
 {
-    rig_poses_stage stage;
-    bool is_engaged = false;
-    mrt_result result = rig_poses_stage_init(&stage, r, m, t, err);
+    rig copy;
+    mrt_result result = rig_copy(&copy, r, err);
     if (result < 0)
         return result;
+    rig_pose *had = stage->rig.pose;
+    const uint32_t had_count = stage->rig.pose_count;
+    stage->rig.pose = copy.pose;
+    stage->rig.pose_count = copy.pose_count;
+    copy.pose = had;
+    copy.pose_count = had_count;
+    rig_destroy(&copy);
+    return rig_poses_complete(&stage->rig, 0, stage->face, &stage->solver, err);
+}
+
+mrt_result rig_poses_reduce(rig *r, uint32_t first, rig_poses_stage *stage, error *err)
+{
+    bool is_engaged = false;
+    mrt_result result = take_poses(stage, r, err);
     for (uint32_t i = first; i < r->pose_count && result >= 0; ++i) {
         bool is_done = false;
-        result = ease(&stage, &is_engaged, &r->pose[i], i, false, &is_done, err);
+        result = ease(stage, &is_engaged, &r->pose[i], i, false, &is_done, err);
         if (result >= 0 && !is_done)
-            result = ease(&stage, &is_engaged, &r->pose[i], i, true, &is_done, err);
+            result = ease(stage, &is_engaged, &r->pose[i], i, true, &is_done, err);
     }
-    rig_poses_stage_finish(&stage);
     return result;
 }
 

@@ -70,13 +70,15 @@ CHECKED mrt_result rig_poses_of(rig_pose *out, const char *name, face *f, uint32
                                 const float *dof, error *err);
 /* Adds the model's poses named after ARKit's shapes, visemes and the twelve expressions, if r and
  * m's shapes lack them. Copies the values of contacts and degrees of freedom with the same names,
- * and scales pulls by the size of that part of the head. Leaves out pulls that only correct a
- * model's smile at rest, and lids that r does not have. */
-CHECKED mrt_result rig_poses_transfer(rig *r, const mesh *m, const rig *model,
-                                      const mesh *model_mesh, error *err);
+ * and scales pulls by the size of that part of the head. Also names contacts that the other pulls
+ * would bring elsewhere than the model's pose does. Leaves out pulls that only correct a model's
+ * smile at rest, and lids that r does not have. f: a face of r, whose mesh is m. */
+CHECKED mrt_result rig_poses_transfer(rig *r, const mesh *m, const face *f, const rig *model,
+                                      const mesh *model_mesh, const topology *model_topology,
+                                      error *err);
 /* Shortens pulls of the poses from `first` on that fold the skin, or that the limit holds back by
- * more than 0.3 mm. If that is not enough, also opens the jaw less. */
-CHECKED mrt_result rig_poses_reduce(rig *r, uint32_t first, const mesh *m, const topology *t,
-                                    error *err);
+ * more than 0.3 mm. If that is not enough, also opens the jaw less. stage: of r; takes its poses
+ * anew. */
+CHECKED mrt_result rig_poses_reduce(rig *r, uint32_t first, rig_poses_stage *stage, error *err);
 
 #endif

@@ -197,8 +197,8 @@ mrt_result face_file_cut_mouth(face_file *f, const uint32_t *chain, uint32_t cou
     return join_notes(f, err);
 }
 
-/* Adds the puppet's poses to the rig of a mesh (rig_poses_transfer). */
-static mrt_result carry_poses(rig *r, const mesh *m, error *err)
+/* Adds the puppet's poses to a rig (rig_poses_transfer). f: a face of r, whose mesh is m. */
+static mrt_result carry_poses(rig *r, const mesh *m, const face *f, error *err)
 {
     face_file model;
     char *path = installed_path(INSTALLED_FACE, "puppet");
@@ -208,8 +208,24 @@ static mrt_result carry_poses(rig *r, const mesh *m, error *err)
     if (result < 0)
         return result;
     if (model.rig)
-        result = rig_poses_transfer(r, m, model.rig, &model.mesh, err);
+        result = rig_poses_transfer(r, m, f, model.rig, &model.mesh, &model.topology, err);
     face_file_destroy(&model);
+    return result;
+}
+
+static mrt_result add_poses(rig *r, const mesh *m, const topology *t, error *err)
+{
+    rig_poses_stage stage;
+    const uint32_t first = r->pose_count;
+    mrt_result result = rig_poses_stage_init(&stage, r, m, t, err);
+    if (result < 0)
+        return result;
+    result = carry_poses(r, m, stage.face, err);
+    if (result >= 0)
+        result = rig_poses_reduce(r, first, &stage, err);
+    rig_poses_stage_finish(&stage);
+    while (result < 0 && r->pose_count > first)
+        rig_pose_finish(&r->pose[--r->pose_count]);
     return result;
 }
 
@@ -252,11 +268,7 @@ mrt_result face_file_draft(rig *out, char **out_confirm, const mesh *m, const to
     if (result < 0)
         return result;
     keep_frame(out, m, mesh_path);
-    const uint32_t first = out->pose_count;
-    if (carry_poses(out, m, &reason) < 0 || rig_poses_reduce(out, first, m, t, &reason) < 0)
-        while (out->pose_count > first)
-            rig_pose_finish(&out->pose[--out->pose_count]);
-    if (reason.text[0])
+    if (add_poses(out, m, t, &reason) < 0)
         result = add_line(out_confirm, "poses: ", reason.text, err);
     if (result < 0) {
         rig_destroy(out);
@@ -266,7 +278,7 @@ mrt_result face_file_draft(rig *out, char **out_confirm, const mesh *m, const to
     return result;
 }
 
-/* own: a copy of the rig with more poses, or NULL. */
+/* own: a copy of the rig, or NULL. It gets more poses. */
 static mrt_result find_weights(face_weights **out, const face_file *f, rig *own, error *err)
 {
     binding bound = {0};
@@ -277,6 +289,9 @@ static mrt_result find_weights(face_weights **out, const face_file *f, rig *own,
         result = face_create_shaped(&performed, own, &f->mesh, &bound, MRT_MAX_VECTORS, err);
     if (result >= 0 && own) {
         const csrbf_settings solver = rig_poses_solver(own, &f->mesh);
+        error ignored = {""}; /* only fewer names */
+        if (carry_poses(own, &f->mesh, performed, &ignored) < 0)
+            ignored.text[0] = '\0';
         face_set_shapes(performed, own->shapes);
         result = rig_poses_complete(own, 0, performed, &solver, err);
     }
@@ -289,15 +304,12 @@ static mrt_result find_weights(face_weights **out, const face_file *f, rig *own,
 mrt_result face_file_weights(face_weights **out, const face_file *f, error *err)
 {
     rig own = {0};
-    error ignored = {""};
     *out = NULL;
     if (!f->rig)
         return find_weights(out, f, NULL, err);
     mrt_result result = rig_copy(&own, f->rig, err);
     if (result < 0)
         return result;
-    if (carry_poses(&own, &f->mesh, &ignored) < 0)
-        ignored.text[0] = '\0'; /* not an error: only fewer names */
     result = find_weights(out, f, &own, err);
     rig_destroy(&own);
     return result;

@@ -42,7 +42,7 @@ CHECKED mrt_result face_file_draft(rig *out, char **out_confirm, const mesh *m, 
                                    uint32_t cut_count, error *err);
 struct face_weights; /* face/face_weights.h */
 /* Finds the named weights that can describe the face (ARKit shapes, visemes). Uses a separate face
- * and takes about 100 ms. Names that the face has neither as a shape nor as a pose are carried over
+ * and takes about 0.3 s. Names that the face has neither as a shape nor as a pose are carried over
  * from the puppet. The file must outlive the result. [main] or a worker thread. */
 CHECKED mrt_result face_file_weights(struct face_weights **out, const face_file *f, error *err);
 
