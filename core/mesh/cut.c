@@ -18,6 +18,7 @@ typedef struct cutting {
     arrays arrays; /* the arrays below */
     mesh *m;
     uint32_t *chain, count;   /* points, from the subject's right to the left */
+    float (*unmoved)[3];      /* positions of the chain in the file */
     int32_t *chain_index;     /* vertex_count: index of a point in the chain; NOT_THERE */
     uint32_t *fan, fan_count; /* triangles at the inner points of the chain */
     uint8_t *side;            /* of each triangle of the fan */
@@ -148,6 +149,80 @@ static mrt_result find_sides(cutting *c, error *err)
             }
     }
     return MRT_OK;
+}
+
+/* ---- a straight edge of the lips ---- */
+
+/* Computes the normal of a triangle of the fan, twice its area long: as the file has it, or with
+ * the point `moved` of the chain at another place. */
+static void triangle_normal(double out[3], const cutting *c, uint32_t fan, int32_t moved,
+                            const double *at)
+{
+    double p[3][3];
+    for (int i = 0; i < 3; ++i) {
+        const uint32_t vertex = corners_of(c, fan)[i];
+        const int32_t index = chain_index_of(c, vertex);
+        for (int axis = 0; axis < 3; ++axis)
+            p[i][axis] = at && index == moved        ? at[axis]
+                         : !at && index != NOT_THERE ? (double)c->unmoved[index][axis]
+                                                     : (double)position_of(c, vertex)[axis];
+    }
+    for (int i = 0; i < 3; ++i) {
+        const int k = (i + 1) % 3, n = (i + 2) % 3;
+        out[i] =
+            (p[1][k] - p[0][k]) * (p[2][n] - p[0][n]) - (p[1][n] - p[0][n]) * (p[2][k] - p[0][k]);
+    }
+}
+
+/* Returns whether the triangles around a point of the chain keep their side, and half of their area
+ * in the file, if it moves. */
+static bool may_move(const cutting *c, int32_t index, const double to[3])
+{
+    for (uint32_t k = 0; k < c->fan_count; ++k) {
+        const uint32_t *corner = corners_of(c, k);
+        double before[3], after[3], along = 0.0, size = 0.0;
+        if (chain_index_of(c, corner[0]) != index && chain_index_of(c, corner[1]) != index &&
+            chain_index_of(c, corner[2]) != index)
+            continue;
+        triangle_normal(before, c, k, NOT_THERE, NULL);
+        triangle_normal(after, c, k, index, to);
+        for (int axis = 0; axis < 3; ++axis) {
+            along += before[axis] * after[axis];
+            size += before[axis] * before[axis];
+        }
+        if (!(along >= 0.5 * size))
+            return false;
+    }
+    return true;
+}
+
+static void move_point(cutting *c, int32_t index, const double to[3])
+{
+    for (uint32_t k = 0; k < c->fan_count; ++k)
+        for (int i = 0; i < 3; ++i) {
+            const uint32_t vertex = corners_of(c, k)[i];
+            for (size_t axis = 0; chain_index_of(c, vertex) == index && axis < 3; ++axis)
+                c->m->position[(size_t)vertex * 3 + axis] = (float)to[axis];
+        }
+}
+
+/* Moves the points of the chain towards the line between their neighbours, where the surface allows
+ * it: the edges of the mesh zigzag, and lips must not. */
+static void straighten(cutting *c)
+{
+    enum { ROUNDS = 8 };
+    for (uint32_t i = 0; i < c->count; ++i)
+        memcpy(c->unmoved[i], position_of(c, c->chain[i]), sizeof c->unmoved[i]);
+    for (int round = 0; round < ROUNDS; ++round)
+        for (int32_t i = 1; i < (int32_t)c->count - 1; ++i) {
+            const float *a = position_of(c, c->chain[i - 1]), *p = position_of(c, c->chain[i]),
+                        *b = position_of(c, c->chain[i + 1]);
+            double to[3];
+            for (int axis = 0; axis < 3; ++axis)
+                to[axis] = 0.5 * (double)p[axis] + 0.25 * ((double)a[axis] + (double)b[axis]);
+            if (may_move(c, i, to))
+                move_point(c, i, to);
+        }
 }
 
 /* ---- new vertices and triangles ---- */
@@ -358,6 +433,7 @@ static mrt_result allocate(cutting *c, uint32_t count, error *err)
     arrays *a = &c->arrays;
     size_t vertices = c->m->vertex_count, triangles = c->m->triangle_count;
     c->chain = arrays_add(a, count, sizeof *c->chain);
+    c->unmoved = arrays_add(a, count, sizeof *c->unmoved);
     c->chain_index = arrays_add(a, vertices, sizeof *c->chain_index);
     c->twin = arrays_add(a, vertices, sizeof *c->twin);
     c->fan = arrays_add(a, triangles, sizeof *c->fan);
@@ -389,6 +465,7 @@ static mrt_result open_mouth(cutting *c, error *err)
         free(material_name);
         return no_memory(err);
     }
+    straighten(c);
     part_lips(c);
     hang_bag(c, ring, ring + loop);
     for (uint32_t i = 0; i < c->new_count; ++i)

@@ -8,7 +8,8 @@
 enum { MESH_CUT_MAX = 4096 }; /* maximum of vertices in a chain */
 
 /* chain: at least four vertices, each joined to the next by an edge of two triangles, without
- * repetition, from one corner of the mouth to the other. Existing vertices keep their numbers.
+ * repetition, from one corner of the mouth to the other. Existing vertices keep their numbers;
+ * those of the chain move along the surface by less than an edge, so that the lips do not zigzag.
  * The vertices of the lower lip and the bag are appended, with a part and a material "mouth".
  * The mesh no longer equals its file, so m->path becomes NULL. On error nothing has changed
  * except the note. */

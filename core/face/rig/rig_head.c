@@ -446,6 +446,17 @@ static double measure_half_width(const mesh *m, const uint8_t *is_face, const ri
     return width;
 }
 
+/* Returns where the lips end, at or before `last`: a groove that then turns up or down by more than
+ * 45 degrees, and far, is a fold of the cheek. */
+static int end_of_lips(const double *groove_y, int last, double step_mm, double span_mm)
+{
+    for (int i = last / 2 + 1; i <= last; ++i)
+        if (fabs(groove_y[i] - groove_y[i - 1]) > step_mm &&
+            fabs(groove_y[last] - groove_y[i - 1]) > 0.12 * span_mm)
+            return i - 1;
+    return last;
+}
+
 /* Follows the groove between the lips outwards until it ends. */
 static void follow_mouth(profile *p, rig_head *head, const mesh *m, const uint8_t *is_face,
                          int mouth, int span)
@@ -470,8 +481,9 @@ static void follow_mouth(profile *p, rig_head *head, const mesh *m, const uint8_
         mouth = best;
         groove[i] = row_y(p, mouth);
         last = i;
-        head->corner_x = x;
     }
+    last = end_of_lips(groove, last, 0.9 * head->half_width / steps, span * p->row_mm);
+    head->corner_x = 0.9 * head->half_width * last / steps;
     for (int i = 0; i < RIG_GROOVE; ++i) {
         double at = (double)last * i / steps;
         int from = (int)at, to = from < last ? from + 1 : from;
