@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Heads that nobody here made, from the file to the performance: a rig is drafted, checked and
 # performed through three mappings by the demo hand and three recordings, as a table. A row that
-# folds, tears, bends skin by more than 120 degrees or what is rigid at all, passes lips into each other, or whose first performance costs more than 15 s of a
-# processor fails it.
+# folds, tears, bends skin by more than 120 degrees or what is rigid at all, passes lips into each other, or whose first performance costs
+# more than 30 s of a processor fails it (a busy machine needs twice what an idle one does).
+# The table of the guide (rigs/README.md) must have the rows that it finds.
 #   heads.sh [--quick] [NAME]...   of heads, mappings and hands: only rows that have all names
 # --quick: the demo hand's first seconds alone, and of the mappings each head has one, in turn (MAROTTE_TEST_LONG: all). Contact sheets are kept in $SHEETS, where it is set.
 source "$(dirname "$0")/../e2e/lib.sh"
@@ -49,6 +50,17 @@ off_the_mark() {
 }
 marked=0 right=0 likely=0 likely_right=0
 
+# HEAD MARK: its row of the table in rigs/README.md: what found the face, the mouth's distance from the mark, how the mouth opens.
+table_row() {
+    local found=likely mouth="${2:+$2 %}" opens=clay
+    grep -q '^confirm  face: .*(unsure)' "$scratch/draft.txt" && found=unsure
+    grep -q '^confirm  face: .*(certain)' "$scratch/draft.txt" && found=certain
+    grep -q '^confirm  face: no face' "$scratch/draft.txt" && found=none
+    grep -q '"mouth": {' "$rig" && opens=lips
+    grep -q '"cut_mouth"' "$rig" && opens="lips, cut"
+    echo "| $1 | $found | ${mouth:-no mark} | $opens |"
+}
+
 turn=0
 row='%-13s %-11s %-21s %7s %6s %7s %7s %7s %8s %8s %7s %5s %6s\n'
 printf "$row" head mapping hand motion folds least inside held parted bent overlap bend s
@@ -77,6 +89,8 @@ for file in "$heads"/*.{glb,gltf,obj,vrm} "$shared/data/heads2"/*.{glb,obj,vrm,p
         likely=$((likely + is_likely)) likely_right=$((likely_right + is_likely * is_right))
         [ $is_right -eq 1 ] || echo "$head: the mouth is $mark % of the height from its mark"
     fi
+    grep -qxF "$(table_row "$head" "$mark")" "$SOURCE_DIR/rigs/README.md" ||
+        fail "rigs/README.md lacks this row: $(table_row "$head" "$mark")"
     "$MAROTTE" rig check "$rig" >"$scratch/said" || fail "$head: $(grep ^error "$scratch/said")"
     first=1 turn=$((turn + 1)) tried=("${maps[@]}")
     [ -z "$quick" ] || [ -n "${MAROTTE_TEST_LONG:-}" ] || [ $# -gt 0 ] || tried=("${maps[turn % ${#maps[@]}]}")
@@ -109,7 +123,7 @@ for file in "$heads"/*.{glb,gltf,obj,vrm} "$shared/data/heads2"/*.{glb,obj,vrm,p
             grep -q '"cut_mouth"' "$rig" && most=0.6 # rims of a cut touch at rest: 0.57 in planck
             awk -v mm="${overlap:-1}" -v most="$most" 'BEGIN { exit !(mm <= most) }' ||
                 fail "$head $map ${hand%%=*}: lips pass into each other by $overlap mm"
-            [ -z "$took" ] || [ -n "${SANITIZED:-}" ] || awk -v s="$took" 'BEGIN { exit !(s < 15) }' ||
+            [ -z "$took" ] || [ -n "${SANITIZED:-}" ] || awk -v s="$took" 'BEGIN { exit !(s < 30) }' ||
                 fail "$head: $took s of a processor from the file to the first performance"
             if [ -n "${SHEETS:-}" ] && [ "${hand%%=*}" = demo ]; then
                 mkdir -p "$SHEETS"
