@@ -256,6 +256,35 @@ static double tongue_before_lips(const actor *a)
                       unturned(a, mouth->lower[mouth->lower_count / 2]).z);
 }
 
+/* One lip far to the left and up, the other to the right: what faces each other now is far apart at
+ * rest. */
+static void lips_that_are_pulled_far_aside_do_not_cross(void **state)
+{
+    (void)state;
+    static const char *const lip[2][3] = {
+        {"lip.upper.side.l", "lip.upper.mid", "lip.upper.side.r"},
+        {"lip.lower.side.l", "lip.lower.mid", "lip.lower.side.r"}};
+    actor a;
+    open_puppet(&a);
+    double *pull = calloc((size_t)3 * a.file.rig->contact_count, sizeof *pull);
+    const float dof[MRT_MAX_DOFS] = {0};
+    assert_non_null(pull);
+    for (int side = -1; side <= 1; side += 2) {
+        for (int rim = 0; rim < 2; ++rim)
+            for (int i = 0; i < 3; ++i) {
+                const uint32_t contact = rig_find_contact(a.file.rig, lip[rim][i]);
+                pull[3 * contact] = (rim ? 18.0 : -18.0) * side;
+                pull[3 * contact + 1] = rim ? 8.0 : -4.0;
+            }
+        hold(&a, pull, dof);
+        const double overlap = measure(&a).overlap;
+        print_message("pulled aside, the lips overlap by %.3f mm\n", overlap);
+        assert_true(overlap < 0.3);
+    }
+    free(pull);
+    close_actor(&a);
+}
+
 static void put_tongue_out(actor *a, double jaw_deg, double seal, float out)
 {
     const rig_bone *bone = &a->file.rig->bone[rig_find_bone(a->file.rig, "tongue")];
@@ -441,6 +470,7 @@ int main(void)
         cmocka_unit_test(lips_close_bit_by_bit_and_never_jump),
         cmocka_unit_test(no_pose_makes_the_lips_cross),
         cmocka_unit_test(nothing_that_is_pulled_makes_the_lips_cross),
+        cmocka_unit_test(lips_that_are_pulled_far_aside_do_not_cross),
         cmocka_unit_test(the_tongue_stays_behind_closed_lips),
         cmocka_unit_test(at_rest_nothing_moves),
         cmocka_unit_test(the_same_frame_has_the_same_bits_whatever_came_before),

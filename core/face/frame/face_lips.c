@@ -28,7 +28,6 @@ static const double zip_width = 1.0;
  * than this. */
 enum { PARTINGS = 6 };
 static const double crossed_most_mm = 0.02, pushed_least_mm = 1e-6;
-enum { FACING = 4 }; /* stations to either side in which the facing one is searched */
 
 static double clamp01(double t)
 {
@@ -342,19 +341,17 @@ static void close_lips(face *f, double seal, vec3 up)
     }
 }
 
-/* Finds the height along `up` of the rim `other` at the place of `at`. Searches around station i.
- * Returns false if no edge is there. */
+/* Finds the height along `up` of the rim `other` at the place of `at`. Searches from station i
+ * outwards, since one lip may be pulled far aside. Returns false if no edge is there. */
 static bool facing_height(double *out, const double *other, uint32_t count, uint32_t i, vec3 at,
                           vec3 across, vec3 up)
 {
     double wanted = vec3_dot(at, across);
-    uint32_t first = i > FACING ? i - FACING : 0,
-             last = i + FACING < count ? i + FACING : count - 1;
-    for (uint32_t way = 0; way < FACING; ++way) {
+    for (uint32_t way = 0; way < count; ++way) {
         /* the edges before and after, further and further away */
         const uint32_t edge[2] = {i > way ? i - way - 1 : count, i + way};
         for (int k = 0; k < 2; ++k) {
-            if (edge[k] < first || edge[k] >= last)
+            if (edge[k] + 1 >= count)
                 continue;
             vec3 a = vec3_row(other, edge[k]), b = vec3_row(other, edge[k] + 1);
             double from = vec3_dot(a, across), to = vec3_dot(b, across);
