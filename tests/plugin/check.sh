@@ -35,8 +35,8 @@ explains() { # PLUGIN WORDS
 explains frame_allocation 'process\(\) called malloc\(\) in .*\(frame_allocation.so\+0x'
 explains state_allocation 'save\(\) called malloc\(\) in .*\(state_allocation.so\+0x'
 explains poses_written '.*: it wrote to the poses of the rig'
-explains rig_poses_set 'Segmentation fault in set_poses.*, in set\(\) with 0 poses'
-explains rig_poses_valid 'Segmentation fault in process.*, with 2 poses after 0 others'
+explains rig_poses_set '(Segmentation fault|Aborted) in set_poses.*, in set\(\) with 0 poses'
+explains rig_poses_valid '(Segmentation fault|Aborted) in process.*, with 2 poses after 0 others'
 explains run_crash '(Segmentation fault|Aborted) in .*\(run_crash.so\+0x.*in a random walk'
 explains nan 'frame 3 of a random walk: the end of vector 0 is \(nan, '
 
