@@ -24,10 +24,10 @@ static const double reach_of_width = 0.36;
 static const float free_from = 0.6f, response_least = 2e-4f;
 /* Length of the closing front, over half the slit. */
 static const double zip_width = 1.0;
-/* Teeth push rims after the rims are kept apart. Both steps repeat until the rims cross by less
- * than this. */
+/* Each step moves stations of both rims, and then teeth push them, so that they may cross
+ * elsewhere. The steps repeat until the rims cross by less than this. */
 enum { PARTINGS = 6 };
-static const double crossed_most_mm = 0.02, pushed_least_mm = 1e-6;
+static const double crossed_most_mm = 0.02;
 
 static double clamp01(double t)
 {
@@ -293,27 +293,22 @@ static void place_rims(face *f)
     }
 }
 
-/* Computes l->upper and l->lower: the rims moved by the corrections, then by skull and teeth.
- * Returns true if skull or teeth moved them. */
-static bool find_rims(face *f)
+/* Computes l->upper and l->lower: the rims moved by the corrections, then by skull and teeth. */
+static void find_rims(face *f)
 {
     face_lips *l = &f->lips;
     const double share[2] = {f->rig->mouth.upper_share, f->rig->mouth.upper_share - 1.0};
-    bool is_pushed = false;
     for (uint32_t i = 0; i < 2 * l->count; ++i) {
         vec3 end[2], by = vec3_scale(vec3_row(l->correction, i / 2), share[i % 2]);
         for (uint32_t k = 0; k < 2; ++k) {
             uint32_t at = 2 * i + k;
             end[k] = vec3_add((vec3){l->x[at], l->y[at], l->z[at]}, by);
-            vec3 to = projection_at(&f->projection, l->slot[at], end[k]);
-            is_pushed = is_pushed || vec3_length(vec3_sub(to, end[k])) > pushed_least_mm;
-            end[k] = to;
+            end[k] = projection_at(&f->projection, l->slot[at], end[k]);
         }
         vec3 way = vec3_sub(end[1], end[0]);
         vec3_set_row(i % 2 ? l->lower : l->upper, i / 2,
                      vec3_add(end[0], vec3_scale(way, l->along[i])));
     }
-    return is_pushed;
 }
 
 /* Returns how far a station is sealed, 0..1. */
@@ -398,12 +393,12 @@ void face_lips_solve(face *f, double strength)
     memset(l->correction, 0, (size_t)3 * l->count * sizeof *l->correction);
     place_rims(f);
     if (seal > 0.0 || f->rig->mouth.stickiness_mm > 0.0) {
-        (void)find_rims(f);
+        find_rims(f);
         close_lips(f, seal, up);
     }
     for (int i = 0; i < PARTINGS; ++i) {
-        bool is_pushed = find_rims(f);
-        if (!(keep_apart(f, across, up) > crossed_most_mm) || !is_pushed)
+        find_rims(f);
+        if (!(keep_apart(f, across, up) > crossed_most_mm))
             break;
     }
     l->is_meeting = false;
@@ -415,7 +410,7 @@ void face_lips_solve(face *f, double strength)
 double face_lips_open_mm(face *f)
 {
     const face_lips *l = &f->lips;
-    (void)find_rims(f);
+    find_rims(f);
     vec3 up = rigid_rotate(&f->pose[l->carrier], f->binding.lips.up);
     return vec3_dot(vec3_sub(vec3_row(l->upper, l->middle), vec3_row(l->lower, l->middle)), up);
 }
