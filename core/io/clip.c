@@ -514,7 +514,8 @@ mrt_result clip_add_named(clip *c, const double *value, const double *pulled, er
 mrt_result clip_add_hand(clip *c, uint32_t side, const double *joint, error *err)
 {
     if (c->frame_count == 0 || side > MRT_RIGHT)
-        return error_set(err, MRT_ERR_ARGUMENT, "a hand needs a frame and a side");
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "a hand belongs to a frame that was added before, and is left or right");
     return add_numbers(c, joint, MRT_JOINTS, 3, "joint of a hand,",
                        &newest_frame(c)->first_joint[side], err);
 }

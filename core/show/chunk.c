@@ -293,7 +293,10 @@ static mrt_result check_samples(const mrt_sample *samples, uint32_t count, error
             return error_set(err, MRT_ERR_ARGUMENT, "sample %u has %u values, %u were expected", i,
                              samples[i].count, channel_count);
         if (i > 0 && samples[i].time_ns < samples[i - 1].time_ns)
-            return error_set(err, MRT_ERR_ARGUMENT, "sample %u is earlier than the one before", i);
+            return error_set(
+                err, MRT_ERR_ARGUMENT,
+                "the samples cannot be stored: sample %u has an earlier time than the one before",
+                i);
         for (uint32_t c = 0; c < channel_count; ++c)
             if (!isfinite(samples[i].value[c]))
                 return error_set(err, MRT_ERR_ARGUMENT, "value %u of sample %u is not finite", c,
@@ -362,7 +365,7 @@ static mrt_result get_head(chunk_head *out, size_t *out_plain_size, bytes_in *in
     if (in->failed || in->end - in->at > INT32_MAX)
         return error_set(err, MRT_ERR_FORMAT, "%s: its size is invalid", damaged);
     if (crc32(0, in->at, (uInt)(in->end - in->at)) != crc)
-        return error_set(err, MRT_ERR_FORMAT, "%s: its CRC-32 differs", damaged);
+        return error_set(err, MRT_ERR_FORMAT, "%s: its checksum (CRC-32) is wrong", damaged);
     uint64_t track = get_varint(in), ordinal = get_varint(in);
     bytes_read(in, &from_ns, sizeof from_ns);
     uint64_t sample_count = get_varint(in), channel_count = get_varint(in);

@@ -713,7 +713,8 @@ static mrt_result unpack(show_checkpoint *out, sqlite_statement *row, size_t mos
         return error_set(err, MRT_ERR_FORMAT,
                          "a checkpoint is damaged: it would unpack to %lld bytes", (long long)size);
     if ((int64_t)crc32_z(0, packed, packed_size) != sqlite_int(row, 3))
-        return error_set(err, MRT_ERR_FORMAT, "a checkpoint is damaged: its CRC-32 differs");
+        return error_set(err, MRT_ERR_FORMAT,
+                         "a checkpoint is damaged: its checksum (CRC-32) is wrong");
     out->time_ns = sqlite_int(row, 0);
     out->version = (uint32_t)sqlite_int(row, 1);
     out->size = (size_t)size;

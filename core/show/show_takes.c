@@ -389,8 +389,8 @@ static mrt_result add_edit(show_edits *out, sqlite_statement *row, int64_t take_
     ++out->count;
     if (show_edit_crc(take_id, edit->n, edit->json) != sqlite_int(row, 2))
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s: edit %d of take %lld is damaged: its CRC-32 differs", path, edit->n,
-                         (long long)take_id);
+                         "%s: edit %d of take %lld is damaged: its checksum (CRC-32) is wrong",
+                         path, edit->n, (long long)take_id);
     bool is_next = out->count > 1 ? edit->n == out->edit[out->count - 2].n + 1 : edit->n <= 1;
     if (!is_next)
         return error_set(err, MRT_ERR_FORMAT, "%s: the edits of take %lld before %d are missing",

@@ -496,7 +496,7 @@ static mrt_plugin *create(const mrt_host *host)
     return self;
 }
 
-/* A rig without poses uses the classic mode. */
+/* The mode Speaking needs poses that the hand can match. Without them, Classic is used. */
 static int mode_of(const mrt_plugin *self, const double *params)
 {
     const int mode = (int)params[SET_MODE];

@@ -35,7 +35,8 @@ bool websocket_connect(websocket *self, const char *host, uint16_t port);
 bool websocket_step(websocket *self);
 /* Returns true if all texts were handed to the system. */
 bool websocket_is_idle(const websocket *self);
-/* Queues a text. Returns false if there is no space now. */
+/* Queues a text. Returns false if the connection is not open, the text is too long, or the
+ * buffer is full. */
 bool websocket_send(websocket *self, const char *text, size_t size);
 /* Returns the next text, 0-ended and valid until the next call; NULL: none now. Closes the
  * connection on a protocol error. */

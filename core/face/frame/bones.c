@@ -324,9 +324,10 @@ static mrt_result add_dof(bones *b, uint32_t bone, const char *name, const char 
 {
     const char *owner = b->rig->bone[bone].name;
     if (b->dof_count == MRT_MAX_DOFS)
-        return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "bone %s: the rig has more than %d degrees of freedom; remove some turns",
-                         owner, MRT_MAX_DOFS);
+        return error_set(
+            err, MRT_ERR_UNSUPPORTED,
+            "bone %s: the rig has more than %d degrees of freedom; remove some \"turns\"", owner,
+            MRT_MAX_DOFS);
     bones_dof *dof = &b->dof[b->dof_count];
     int length = snprintf(dof->name, sizeof dof->name, "%s.%s", owner, name);
     if (length < 0 || (size_t)length >= sizeof dof->name)
@@ -397,7 +398,7 @@ static mrt_result init_seal(bones *b, error *err)
         return error_set(
             err, MRT_ERR_UNSUPPORTED,
             "$.mouth: the bones already have all %d degrees of freedom, and " RIG_LIPS_SEAL
-            " needs one more; remove some turns",
+            " needs one more; remove some \"turns\"",
             MRT_MAX_DOFS);
     b->seal = b->dof_count++;
     b->dof[b->seal] =

@@ -902,7 +902,8 @@ static uint8_t *find_skin(const checking *c)
     return out;
 }
 
-/* Measures the greatest distance between two shapes in mm: of all skin, and of the lips alone. */
+/* Measures how far vertices are apart in a and b, in mm, at most: over all skin, and over the lips
+ * alone. */
 static void measure_apart(double out_mm[2], const checking *c, const uint8_t *skin, const float *a,
                           const float *b)
 {

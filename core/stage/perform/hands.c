@@ -214,7 +214,8 @@ mrt_result hands_rezero(hands *self, uint32_t side, int64_t time_ns, error *why)
     }
     if (worst_deg > REZERO_DEVIATION_DEG) {
         (void)error_set(why, MRT_HOLD,
-                        "the %s hand is not still: its %s moves by %.1f degrees; at most %.1f",
+                        "the %s hand is not still: its %s moves by %.1f degrees; at most %.1f. "
+                        "Hold it still and try again",
                         side_name[side], sensor_table[still.worst_channel].label, worst_deg,
                         REZERO_DEVIATION_DEG);
         return refuse(self, why);

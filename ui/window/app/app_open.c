@@ -631,7 +631,7 @@ static void perform_again(app *self)
 void app_ask_draft(app *self)
 {
     app_ask(self, APP_CALL_DRAFT);
-    if (!self->resting[0]) /* without a choice the draft gets the default mapping */
+    if (!self->resting[0]) /* no mapping is waiting for a rig: the draft gets the default one */
         (void)snprintf(self->resting, sizeof self->resting, "%s", DEFAULT_MAPPING);
 }
 

@@ -133,7 +133,7 @@ static void calibrate_guide_back(calibrate_guide *self)
     say(self, CALIBRATE_SAYS, "Repeat: %s", guide_step_name[guide_current(self->guide)]);
 }
 
-/* Repeats one pose, then returns to the result. */
+/* Repeats one pose, then shows a new result. */
 static void calibrate_guide_again(calibrate_guide *self, guide_step step)
 {
     forget_result(self);
