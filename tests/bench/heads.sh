@@ -92,6 +92,10 @@ for file in "$heads"/*.{glb,gltf,obj,vrm} "$shared/data/heads2"/*.{glb,obj,vrm,p
     grep -qxF "$(table_row "$head" "$mark")" "$SOURCE_DIR/rigs/README.md" ||
         fail "rigs/README.md lacks this row: $(table_row "$head" "$mark")"
     "$MAROTTE" rig check "$rig" >"$scratch/said" || fail "$head: $(grep ^error "$scratch/said")"
+    if grep -q '"lid_upper' "$rig"; then # no performance need blink within the seconds that are tried
+        "$MAROTTE" rig show "$rig" --poses --only eyeBlinkLeft,eyeBlinkRight,wink_left,wink_right >"$scratch/said" 2>&1
+        grep -q 'least determinant *-' "$scratch/said" && fail "$head: closed lids fold: $(grep 'determinant *-' "$scratch/said")"
+    fi
     first=1 turn=$((turn + 1)) tried=("${maps[@]}")
     [ -z "$quick" ] || [ -n "${MAROTTE_TEST_LONG:-}" ] || [ $# -gt 0 ] || tried=("${maps[turn % ${#maps[@]}]}")
     for map in "${tried[@]}"; do

@@ -948,7 +948,7 @@ static mrt_result find_patch(drafting *d, const rig *r, bool *out_found, error *
 typedef struct freedom {
     double *end;
     uint32_t dof;
-    bool is_lid, is_eye, is_jaw_open;
+    bool is_lid, is_lower_lid, is_eye, is_jaw_open;
     bool is_mirrored; /* the other side has the same limit */
 } freedom;
 
@@ -962,6 +962,7 @@ static uint32_t list_freedoms(freedom *out, rig *r, const bones *b)
         rig_bone *bone = &r->bone[i];
         uint32_t first = b->first_dof[i];
         bool is_lid = strncmp(bone->name, "lid_", 4) == 0;
+        bool is_lower = strncmp(bone->name, "lid_lower", 9) == 0;
         bool is_eye = strncmp(bone->name, "eye.", 4) == 0;
         if (bone->kind == BONE_JAW) {
             out[count++] = (freedom){&bone->open_max_rad, first, .is_jaw_open = true};
@@ -969,10 +970,13 @@ static uint32_t list_freedoms(freedom *out, rig *r, const bones *b)
             out[count++] = (freedom){&bone->forward_mm, first + 2, .is_mirrored = false};
         }
         for (uint32_t k = 0; k < bone->turn_count; ++k) {
-            out[count++] =
-                (freedom){&bone->turn[k].max_rad, first + k, .is_lid = is_lid, .is_eye = is_eye};
-            out[count++] =
-                (freedom){&bone->turn[k].min_rad, first + k, .is_lid = is_lid, .is_eye = is_eye};
+            double *const end[2] = {&bone->turn[k].max_rad, &bone->turn[k].min_rad};
+            for (int e = 0; e < 2; ++e)
+                out[count++] = (freedom){.end = end[e],
+                                         .dof = first + k,
+                                         .is_lid = is_lid,
+                                         .is_lower_lid = is_lower,
+                                         .is_eye = is_eye};
         }
     }
     return count;
@@ -1008,6 +1012,35 @@ static double part_without_fold(face *f, const freedom *one)
             high = part;
     }
     return low;
+}
+
+static bool lids_fold(face *f, const freedom *all, uint32_t count, double lower, double upper)
+{
+    float dof[MRT_MAX_DOFS] = {0};
+    for (uint32_t i = 0; i < count; ++i)
+        if (all[i].is_lid && *all[i].end > 0.0)
+            dof[all[i].dof] = (float)((all[i].is_lower_lid ? lower : upper) * *all[i].end);
+    return determinant_of(f, dof) < 0.5 * determinant_least;
+}
+
+/* Closes all lids. Where that folds the skin between them, the lower ones close less, then the
+ * upper ones, too: a blink is the upper lid's motion. */
+static void let_lids_close(drafting *d, face *f, const freedom *all, uint32_t count)
+{
+    double lower = 1.0, upper = 1.0;
+    while (lower > 0.05 && lids_fold(f, all, count, lower, upper))
+        lower *= 0.85;
+    while (upper > 0.2 && lids_fold(f, all, count, lower, upper))
+        upper *= 0.92;
+    for (uint32_t i = 0; i < count; ++i)
+        if (all[i].is_lid && *all[i].end > 0.0)
+            *all[i].end *= all[i].is_lower_lid ? lower : upper;
+    if (lower < 1.0)
+        rig_note(
+            &d->confirm,
+            "lids: the lower ones close by %.0f %% of their range, the upper ones by %.0f %%, so "
+            "that the skin between them does not fold (certain)",
+            100.0 * lower, 100.0 * upper);
 }
 
 static double drawn(uint64_t *seed) /* 0..1, xorshift (Marsaglia 2003) */
@@ -1156,6 +1189,7 @@ static mrt_result try_bones(rig *r, drafting *d, trial *out, error *err)
                      "beyond (certain)",
                      name, 100.0 * part);
     }
+    let_lids_close(d, f, all, count);
     double part = part_together(f, all, count);
     for (uint32_t i = 0; i < count; ++i)
         *all[i].end *= all[i].is_eye ? 1.0 : part;
