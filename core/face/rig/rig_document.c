@@ -14,7 +14,6 @@
 /* ---- values and their JSON paths ---- */
 
 enum { NOTE_CAP = 8192, LINE_TEXT = 512 };
-static const double coordinate_cap = 1e6;
 
 /* Estimates the memory, in bytes, of the parsed values of a text. */
 static size_t rig_json_memory(const void *data, size_t size)
@@ -37,25 +36,6 @@ static size_t rig_json_memory(const void *data, size_t size)
     return out;
 }
 
-mrt_result rig_json_index(uint32_t *out, const json_node *at, error *err)
-{
-    json_int_t value = json_integer_value(at->value);
-    if (!json_is_integer(at->value) || value < 0 || value >= INT32_MAX)
-        return json_node_unexpected(err, at, "a vertex number of the mesh file, from 0");
-    *out = (uint32_t)value;
-    return MRT_OK;
-}
-
-mrt_result rig_json_point(vec3 *out, const json_node *at, double scale, error *err)
-{
-    double point[3];
-    mrt_result result = json_node_numbers(point, 3, at, -coordinate_cap, coordinate_cap,
-                                          "three numbers [x, y, z]", err);
-    if (result >= 0)
-        *out = (vec3){point[0] * scale, point[1] * scale, point[2] * scale};
-    return result;
-}
-
 mrt_result rig_json_text(char **out, const json_node *at, const char *expected, size_t length_max,
                          error *err)
 {
@@ -68,30 +48,7 @@ mrt_result rig_json_text(char **out, const json_node *at, const char *expected, 
                          "%s: expected at most %zu characters and no control characters",
                          at->path.text, length_max);
     *out = strdup(text);
-    return *out ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for the rig");
-}
-
-mrt_result rig_json_optional_number(double *out, const json_node *of, const char *key, double low,
-                                    double high, error *err)
-{
-    json_node at = json_node_member(of, key);
-    return at.value ? json_node_number(out, &at, low, high, err) : MRT_OK;
-}
-
-mrt_result rig_json_optional_point(vec3 *out, bool *out_has, const json_node *of, const char *key,
-                                   double scale, error *err)
-{
-    json_node at = json_node_member(of, key);
-    *out_has = at.value != NULL;
-    return at.value ? rig_json_point(out, &at, scale, err) : MRT_OK;
-}
-
-void rig_json_note_unknown(char **note, const json_node *object, const char *const *known)
-{
-    void *at = NULL;
-    for (const char *key; (key = json_node_unknown(object, known, &at)) != NULL;)
-        rig_note(note, "%s: unknown key, ignored; it is kept in the file",
-                 json_node_member(object, key).path.text);
+    return *out ? MRT_OK : rig_no_memory(err);
 }
 
 void rig_note(char **note, const char *format, ...)
@@ -127,7 +84,7 @@ typedef struct loading { /* files being read, outermost first */
     uint32_t depth;
 } loading;
 
-static mrt_result no_memory(error *err)
+mrt_result rig_no_memory(error *err)
 {
     return error_set(err, MRT_ERR_MEMORY, "no memory for the rig");
 }
@@ -183,7 +140,7 @@ static mrt_result add_file(rig_document *d, const char *path, const char *real_p
     d->file_count += 1;
     file->real_path = real_path ? strdup(real_path) : NULL;
     if (!file->path || (real_path && !file->real_path))
-        return no_memory(err);
+        return rig_no_memory(err);
     mrt_result result = check_version(&node, err);
     return result < 0 ? result : read_unit(file, &node, err);
 }
@@ -221,7 +178,7 @@ static mrt_result include_one(loading *l, const json_node *at, const char *direc
     if (result < 0)
         return result;
     char *path = join_path(directory, name);
-    result = path ? MRT_OK : no_memory(err);
+    result = path ? MRT_OK : rig_no_memory(err);
     if (result >= 0 && l->folder)
         result = file_check_below(l->folder, path, err);
     if (result < 0)
@@ -240,7 +197,7 @@ static mrt_result include_all(loading *l, const json_node *root, const char *pat
         return MRT_OK;
     char *directory = file_directory(path);
     if (!directory)
-        return no_memory(err);
+        return rig_no_memory(err);
     mrt_result result = MRT_OK;
     if (json_is_string(include.value))
         result = include_one(l, &include, directory, err);
@@ -396,7 +353,7 @@ static mrt_result collect_section(rig_document *d, rig_section section, error *e
 {
     d->entry[section] = calloc(section_cap[section], sizeof *d->entry[section]);
     if (!d->entry[section])
-        return no_memory(err);
+        return rig_no_memory(err);
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; result >= 0 && i < d->file_count; ++i) {
         json_node root = {d->file[i].root, d->file[i].root_path};
@@ -448,7 +405,7 @@ mrt_result rig_document_read(rig_document **out, const char *path, const char *f
 {
     *out = calloc(1, sizeof **out);
     if (!*out)
-        return no_memory(err);
+        return rig_no_memory(err);
     (*out)->is_trusted = folder == NULL;
     loading l = {.document = *out, .folder = folder};
     return finish_reading(out, load_file(&l, path, NULL, err), err);
@@ -459,7 +416,7 @@ mrt_result rig_document_parse(rig_document **out, const void *data, size_t size,
 {
     *out = calloc(1, sizeof **out);
     if (!*out)
-        return no_memory(err);
+        return rig_no_memory(err);
     json_t *root = NULL;
     (*out)->budget = budget_of(BUDGET_RIG, size);
     mrt_result result = parse_root(&root, data, size, &(*out)->budget, err);

@@ -12,22 +12,11 @@
 
 enum { RIG_NAME_MAX = 63 };
 
-CHECKED mrt_result rig_json_index(uint32_t *out, const json_node *at, error *err);
-/* Reads three numbers within +-1e6, times `scale`. */
-CHECKED mrt_result rig_json_point(vec3 *out, const json_node *at, double scale, error *err);
+mrt_result rig_no_memory(error *err); /* sets the error; always MRT_ERR_MEMORY */
 /* Reads 1..length_max bytes of printable text (text_is_printable). The caller frees the copy. */
 CHECKED mrt_result rig_json_text(char **out, const json_node *at, const char *expected,
                                  size_t length_max, error *err);
 
-/* The same for optional members: `out` keeps its value if they are absent. */
-CHECKED mrt_result rig_json_optional_number(double *out, const json_node *of, const char *key,
-                                            double low, double high, error *err);
-CHECKED mrt_result rig_json_optional_point(vec3 *out, bool *out_has, const json_node *of,
-                                           const char *key, double scale, error *err);
-
-/* Appends a line "PLACE.key: ..." to the note for each key that is not in the list, which ends with
- * NULL. */
-void rig_json_note_unknown(char **note, const json_node *object, const char *const *known);
 /* Appends one line. Does nothing once the note has 8 KiB. */
 __attribute__((format(printf, 2, 3))) void rig_note(char **note, const char *format, ...);
 
@@ -99,19 +88,12 @@ json_path rig_entry_path(const rig *r, rig_section section, uint32_t index);
 /* ---- shared by reading, writing and editing ---- */
 
 extern const rig_bone rig_adult_jaw; /* an adult's limits, the default */
-/* Parses a single selector. Finish it also on error. Of a paint only the name is read. */
-CHECKED mrt_result rig_select_parse(rig_select *out, const json_node *at, double mm_per_unit,
-                                    error *err);
 void rig_select_finish(rig_select *select);
 void rig_select_free_ranges(rig_select *select); /* of vertices or of a paint */
 bool rig_select_uses_paint(const rig_select *select,
                            const char *name); /* true for the selector itself or one inside it */
-/* Keys of a kind of selector in the file, and of its two points if it has any (else NULL). */
-typedef struct rig_select_words {
-    const char *key, *first, *second;
-} rig_select_words;
-const rig_select_words *rig_select_words_of(rig_select_kind kind);
-json_t *rig_number_to_json(double value); /* whole numbers get no decimal point */
+const char *rig_select_key(rig_select_kind kind); /* "box" ...; its key in the file */
+json_t *rig_number_to_json(double value);         /* whole numbers get no decimal point */
 json_t *rig_point_to_json(vec3 point, double mm_per_unit);
 vec3 rig_round_axis(vec3 axis); /* as a file stores it: to 1e-6, so not exactly of length 1 */
 

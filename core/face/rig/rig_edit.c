@@ -110,7 +110,7 @@ static void set_select_path(rig_select *select, const char *path)
         free(select->path);
         select->path = copy;
     }
-    const char *key = rig_select_words_of(select->kind)->key;
+    const char *key = rig_select_key(select->kind);
     const bool is_list = select->kind == SELECT_ALL || select->kind == SELECT_ANY;
     for (uint32_t i = 0; i < select->child_count; ++i) {
         char child[PATH_TEXT];

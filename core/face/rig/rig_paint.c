@@ -11,11 +11,6 @@ enum { LINE_VALUES = 64, LINE_TEXT = 32 + 2 * LINE_VALUES, SAME_MIN = 6 };
 static const char expected_text[] = "vertices and their values like \"120-180:ff\" or "
                                     "\"204:0c1f33\", ascending";
 
-static mrt_result no_memory(error *err)
-{
-    return error_set(err, MRT_ERR_MEMORY, "no memory for the rig");
-}
-
 /* ---- ranges ---- */
 
 static mrt_result allocate(rig_select *out, size_t capacity, error *err)
@@ -24,7 +19,7 @@ static mrt_result allocate(rig_select *out, size_t capacity, error *err)
     out->last = calloc(capacity + 1, sizeof *out->last);
     out->value = calloc(capacity + 1, sizeof *out->value);
     out->range_count = 0;
-    return out->first && out->last && out->value ? MRT_OK : no_memory(err);
+    return out->first && out->last && out->value ? MRT_OK : rig_no_memory(err);
 }
 
 /* Appends a range, or extends the last one if it is adjacent and has the same value. */
