@@ -74,6 +74,7 @@ mrt_result live_stop(live *self, error *err)
     outputs_destroy(self->outputs);
     live_cast_finish(self);
     live_inputs_finish(self);
+    live_palette_finish(self);
     player_destroy(self->stage.loop);
     free(self);
     return result;
@@ -238,6 +239,7 @@ void live_update(live *self)
     live_over_update(self);
     live_cast_update(self);
     live_inputs_update(self);
+    live_palette_update(self);
     live_sound_update(self);
 }
 
