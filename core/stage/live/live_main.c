@@ -245,5 +245,6 @@ void live_update(live *self)
 
 bool live_is_busy(const live *self)
 {
-    return self->coming || self->attach_take || self->is_over || self->is_over_done;
+    return self->coming || self->attach_take || self->is_over || self->is_over_done ||
+           live_palette_is_moving(self);
 }

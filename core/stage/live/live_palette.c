@@ -66,8 +66,8 @@ static mrt_result join_one(live *self, uint32_t which, error *err)
     if (result < 0)
         return result;
     p->input_count = which + 1;
-    result = input_create(&p->input[which], feed_type(p->feed[which]), "", "", CLOCK_REAL,
-                          self->settings.log, err);
+    result = input_create(&p->input[which], feed_type(p->feed[which]), which ? "2" : "", "",
+                          CLOCK_REAL, self->settings.log, err);
     if (result >= 0)
         result = live_add_input(self, p->input[which], name[which], err);
     if (result < 0)
@@ -137,6 +137,14 @@ void live_palette_update(live *self)
             send(self, i, FEED_MOVES);
         else if (p->rests_at_ns[i] > 0 && now_ns >= p->rests_at_ns[i])
             send(self, i, FEED_RESTS);
+}
+
+bool live_palette_is_moving(const live *self)
+{
+    bool is_moving = false;
+    for (uint32_t i = 0; i < self->palette.input_count; ++i)
+        is_moving |= self->palette.rests_at_ns[i] > 0;
+    return is_moving;
 }
 
 void live_palette_finish(live *self)

@@ -353,7 +353,8 @@ void live_inputs_update(live *self);
 /* ---- live_palette.c: poses that are played ---- */
 
 void live_palette_update(live *self);
-void live_palette_finish(live *self); /* after the inputs */
+bool live_palette_is_moving(const live *self); /* its inputs do not rest yet */
+void live_palette_finish(live *self);          /* after the inputs */
 
 /* ---- live_record.c: recording, sound ---- */
 
