@@ -116,7 +116,7 @@ static void take_shows_hand_and_poses_as_they_were_seen(void **state)
     live_fixture d;
     error err = {""};
     char text[FIXTURE_PATH];
-    seen *s = calloc(1, sizeof *s);
+    seen_faces *s = calloc(1, sizeof *s);
     assert_non_null(s);
     start(&d, "one_hand");
     play(&d, "browInnerUp", 0.5, 0.2); /* held since before the take */
@@ -154,7 +154,7 @@ static void held_pose_without_samples_is_in_the_take(void **state)
     (void)state;
     live_fixture d;
     error err = {""};
-    seen *s = calloc(1, sizeof *s);
+    seen_faces *s = calloc(1, sizeof *s);
     assert_non_null(s);
     start(&d, NULL);
     play(&d, "jawOpen", 1.0, 0.1);

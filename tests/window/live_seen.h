@@ -10,13 +10,13 @@ enum { SEEN_MAX = 4096 };
 static const int64_t seen_apart_ns =
     30 * NS_PER_MS; /* as pictures: each is performed again twice */
 
-typedef struct seen { /* the faces that were looked at while a take was recorded */
+typedef struct seen_faces { /* the faces that were looked at while a take was recorded */
     uint32_t count;
     int64_t sample_ns[SEEN_MAX];
     uint64_t hash[SEEN_MAX];
-} seen;
+} seen_faces;
 
-static inline void seen_remember(live_fixture *d, seen *s)
+static inline void seen_remember(live_fixture *d, seen_faces *s)
 {
     bool is_new = s->count == 0 || d->view->sample_ns - s->sample_ns[s->count - 1] >= seen_apart_ns;
     if (!is_new || s->count == SEEN_MAX)
@@ -26,7 +26,7 @@ static inline void seen_remember(live_fixture *d, seen *s)
 }
 
 /* For so long, and until the last that was measured by then is seen. */
-static inline void seen_watch(live_fixture *d, seen *s, double seconds)
+static inline void seen_watch(live_fixture *d, seen_faces *s, double seconds)
 {
     int64_t until_ns = clock_now_ns() + (int64_t)(seconds * 1e9);
     int64_t last_ns = until_ns + 20 * NS_PER_S;
@@ -48,7 +48,7 @@ static inline int64_t seen_record_end(live_fixture *d)
 }
 
 /* The instants of the take at which faces were seen show these faces, after any other instant. */
-static inline uint32_t seen_compare(live_fixture *d, int64_t take_id, const seen *s)
+static inline uint32_t seen_compare(live_fixture *d, int64_t take_id, const seen_faces *s)
 {
     error err = {""};
     take t = {0};

@@ -16,7 +16,7 @@ static void release(live_fixture *d)
 }
 
 /* Clay is slow: nothing waits for it. */
-static void knead(live_fixture *d, seen *s, uint32_t contact, vec3 way)
+static void knead(live_fixture *d, seen_faces *s, uint32_t contact, vec3 way)
 {
     vec3 rest = fixture_rest(d, contact), from = d->view->contact[contact];
     for (int i = 0; i <= 10; ++i) {
@@ -98,7 +98,7 @@ static void recorded_hand_plays_as_it_was_seen(void **state)
     live_fixture d;
     error err = {""};
     char text[FIXTURE_PATH];
-    seen *s = calloc(1, sizeof *s);
+    seen_faces *s = calloc(1, sizeof *s);
     fixture_start(&d, "puppet", "one_hand", FIXTURE_SHOW);
     demo_input(text, sizeof text, ",start=2,end=4");
     fixture_must(fixture_add_input(&d, text, &err), &err);
@@ -118,7 +118,7 @@ static void recorded_drags_play_as_they_were_seen(void **state)
     (void)state;
     live_fixture d;
     error err = {""};
-    seen *s = calloc(1, sizeof *s);
+    seen_faces *s = calloc(1, sizeof *s);
     fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
     uint32_t left = fixture_contact(&d, "mouth.corner.l"),
              right = fixture_contact(&d, "mouth.corner.r");
