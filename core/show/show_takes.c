@@ -218,7 +218,7 @@ mrt_result show_take_spans(show *self, int64_t id, show_span **out, size_t *out_
 /* ---- the take before its edits ---- */
 
 /* Whether a palette was played in the span, or before it in data that the span needs. Such data is
- * never removed, so the answer stays. */
+ * never removed, so the answer stays. A palette at rest has one sample, when it is opened. */
 static mrt_result has_palette(show *self, int64_t take_id, const show_span *span, bool *out,
                               error *err)
 {
@@ -229,7 +229,7 @@ static mrt_result has_palette(show *self, int64_t take_id, const show_span *span
         "  JOIN chunk c ON c.track = t.id"
         " WHERE span.take = ?1 AND span.performance = ?2 AND span.is_shown"
         "  AND plugin.identity LIKE '" TAKE_PALETTE_ID " %'"
-        "  AND c.from_ns <= ?3 AND c.to_ns >= span.need_ns LIMIT 1",
+        "  AND c.from_ns <= ?3 AND c.to_ns >= span.need_ns AND c.to_ns > c.from_ns LIMIT 1",
         "i", "iii", take_id, span->performance, span->to_ns);
     const mrt_result result = sqlite_step(row, err);
     *out = result == MRT_OK;
@@ -274,7 +274,7 @@ static mrt_result add_palette(take *out, const show_span *spans, size_t count, c
     take_layer *layer = &out->layer[out->layer_count++];
     mrt_result result = MRT_OK;
     *layer = (take_layer){.id = ++out->id_count, .is_additive = true, .gain = 1};
-    snprintf(layer->name, sizeof layer->name, "palette");
+    snprintf(layer->name, sizeof layer->name, TAKE_PALETTE_LAYER);
     for (size_t i = 0; i < count && result >= 0; ++i)
         if (plays[i])
             result = add_clip(out, layer, &spans[i], TAKE_PALETTE, err);

@@ -108,7 +108,8 @@ typedef struct take_warp_point {
 
 /* What a clip shows of its performance. The poses that were played on the palette
  * (stage/perform/palette.h) have samples of their own, so they can be a layer of their own. */
-#define TAKE_PALETTE_ID "org.marotte.palette" /* type id of the input that plays poses */
+#define TAKE_PALETTE_ID    "org.marotte.palette" /* type id of the input that plays poses */
+#define TAKE_PALETTE_LAYER "palette"             /* name of their layer */
 typedef enum take_part {
     TAKE_WHOLE = 0,
     TAKE_WITHOUT_PALETTE, /* hands, patch and mapping */

@@ -109,10 +109,10 @@ static void poses_add_up_and_all_at_once_stay_in_reach(void **state)
     fixture_finish(&d);
 }
 
-/* The hand performs from a recording, and poses are played over it. */
-static void take_shows_hand_and_poses_as_they_were_seen(void **state)
+/* The hand performs from a recording, and poses are played over it. before_s: the time until the
+ * take begins, in which states may be stored. */
+static void play_a_take(double before_s)
 {
-    (void)state;
     live_fixture d;
     error err = {""};
     char text[FIXTURE_PATH];
@@ -120,9 +120,9 @@ static void take_shows_hand_and_poses_as_they_were_seen(void **state)
     assert_non_null(s);
     start(&d, "one_hand");
     play(&d, "browInnerUp", 0.5, 0.2); /* held since before the take */
-    snprintf(text, sizeof text, "log:%s/plugins/log/demo_hand.csv,end=2", SOURCE_DIR);
+    snprintf(text, sizeof text, "log:%s/plugins/log/demo_hand.csv,loop=1", SOURCE_DIR);
     fixture_must(fixture_add_input(&d, text, &err), &err);
-    seen_watch(&d, s, 0.3);
+    fixture_pass(&d, before_s);
     fixture_must(live_record(d.live, &slate, &err), &err);
     seen_watch(&d, s, 0.3);
     play(&d, "jawOpen", 0.8, 0.15);
@@ -149,13 +149,48 @@ static void take_shows_hand_and_poses_as_they_were_seen(void **state)
     fixture_finish(&d);
 }
 
+static void take_shows_hand_and_poses_as_they_were_seen(void **state)
+{
+    (void)state;
+    play_a_take(0.3);
+}
+
+/* Its replay begins with a state of the recording, in which a pose is held. */
+static void take_from_a_stored_state_shows_them_too(void **state)
+{
+    (void)state;
+    play_a_take(6.5);
+}
+
+/* Plays the take to an instant, and returns how far the chin is from its rest. */
+static double chin_in_take(live_fixture *d, const take *t, int64_t at_ns, char *note,
+                           size_t capacity)
+{
+    error err = {""};
+    sequencer *plays;
+    const sequencer_settings settings = {
+        .show = d->show, .plugins = &d->plugins, .log = d->log, .face = &d->face};
+    fixture_must(sequencer_create(&plays, &settings, t, &err), &err);
+    fixture_must(sequencer_seek(plays, at_ns, &err), &err);
+    composer *shown = sequencer_performer(plays)->composer;
+    composer_draw(shown);
+    const mrt_face *about = composer_about(shown);
+    uint32_t chin = 0;
+    while (strcmp(about->contacts[chin].name, "chin") != 0)
+        chin += 1;
+    const vec3 now = face_contact_now(composer_face(shown), chin + 1);
+    const mrt_vec3 rest = about->contacts[chin].rest;
+    snprintf(note, capacity, "%s", sequencer_note(plays));
+    sequencer_destroy(plays);
+    return vec3_length(vec3_sub(now, (vec3){(double)rest.x, (double)rest.y, (double)rest.z}));
+}
+
 static void held_pose_without_samples_is_in_the_take(void **state)
 {
     (void)state;
     live_fixture d;
     error err = {""};
-    seen_faces *s = calloc(1, sizeof *s);
-    assert_non_null(s);
+    char note[512];
     start(&d, NULL);
     play(&d, "jawOpen", 1.0, 0.1);
     wait_until_settled(&d);
@@ -165,21 +200,135 @@ static void held_pose_without_samples_is_in_the_take(void **state)
     const int64_t id = seen_record_end(&d);
     take t;
     fixture_take(&d, id, &t);
-    sequencer *plays;
-    const sequencer_settings settings = {
-        .show = d.show, .plugins = &d.plugins, .log = d.log, .face = &d.face};
-    fixture_must(sequencer_create(&plays, &settings, &t, &err), &err);
-    fixture_must(sequencer_seek(plays, t.duration_ns / 2, &err), &err);
-    composer *shown = sequencer_performer(plays)->composer;
-    composer_draw(shown);
-    const vec3 now = face_contact_now(composer_face(shown), fixture_contact(&d, "chin") + 1);
-    const double taken_mm =
-        vec3_length(vec3_sub(now, fixture_rest(&d, fixture_contact(&d, "chin"))));
+    const double taken_mm = chin_in_take(&d, &t, t.duration_ns / 2, note, sizeof note);
     if (fabs(taken_mm - held_mm) > 0.01)
         fail_msg("the chin is %.2f mm low in the take, and was %.2f mm", taken_mm, held_mm);
-    sequencer_destroy(plays);
+    assert_string_equal(note, "");
     take_finish(&t);
+    fixture_finish(&d);
+}
+
+/* Records a pose that is held for a second. */
+static int64_t record_a_pose(live_fixture *d, take *out)
+{
+    error err = {""};
+    start(d, NULL);
+    fixture_must(live_record(d->live, &slate, &err), &err);
+    play(d, "jawOpen", 1.0, 0.1);
+    fixture_pass(d, 1.0);
+    const int64_t id = seen_record_end(d);
+    fixture_take(d, id, out);
+    assert_int_equal(out->layer_count, 2);
+    return id;
+}
+
+static void clip_that_ends_with_a_pose_lets_it_go(void **state)
+{
+    (void)state;
+    live_fixture d;
+    error err = {""};
+    char note[512];
+    take t;
+    edit e;
+    (void)record_a_pose(&d, &t);
+    edit_init(&e, EDIT_CLIP_TRIM);
+    e.clip = t.layer[1].clip[0].id;
+    e.end_ns = NS_PER_S / 2;
+    fixture_must(edit_apply(&t, &e, &err), &err);
+    assert_true(chin_in_take(&d, &t, 4 * NS_PER_S / 10, note, sizeof note) > 5.0);
+    assert_true(chin_in_take(&d, &t, 7 * NS_PER_S / 10, note, sizeof note) < 0.01);
+    take_finish(&t);
+    fixture_finish(&d);
+}
+
+static void pose_that_the_rig_lost_moves_nothing_and_is_noted(void **state)
+{
+    (void)state;
+    live_fixture d;
+    char note[512];
+    take t;
+    (void)record_a_pose(&d, &t);
+    fixture_stop_live(&d);
+    for (uint32_t i = 0; i < d.face.rig->pose_count; ++i)
+        if (strcmp(d.face.rig->pose[i].name, "jawOpen") == 0)
+            d.face.rig->pose[i].name[0] = 'J';
+    assert_true(chin_in_take(&d, &t, 7 * NS_PER_S / 10, note, sizeof note) < 0.01);
+    if (!strstr(note, "The face lacks the pose \"jawOpen\""))
+        fail_msg("the note is \"%s\"", note);
+    take_finish(&t);
+    fixture_finish(&d);
+}
+
+/* A take of a hand, over which poses alone are played. */
+static void poses_over_a_take_are_added_to_it(void **state)
+{
+    (void)state;
+    live_fixture d;
+    error err = {""};
+    char text[FIXTURE_PATH];
+    edit *edits;
+    uint32_t count;
+    take t;
+    seen_faces *s = calloc(1, sizeof *s);
+    assert_non_null(s);
+    start(&d, "one_hand");
+    snprintf(text, sizeof text, "log:%s/plugins/log/demo_hand.csv,loop=1", SOURCE_DIR);
+    fixture_must(fixture_add_input(&d, text, &err), &err);
+    fixture_must(live_record(d.live, &slate, &err), &err);
+    fixture_pass(&d, 1.5);
+    fixture_take(&d, seen_record_end(&d), &t);
+    assert_int_equal(t.layer_count, 1); /* no pose was played */
+    fixture_must(live_remove_input(d.live, live_input_count(d.live) - 1, &err), &err);
+    play(&d, "browInnerUp", 0.5, 0.1); /* held into the overdub */
+    fixture_pass(&d, 0.3);
+    fixture_must(live_show_take(d.live, &t, &err), &err);
+    fixture_pass(&d, 1.0); /* the face has eased from the hands to the take */
+    const overdub_plan over = {.passes = 1};
+    fixture_must(live_overdub_start(d.live, &over, &err), &err);
+    const int64_t until_ns = clock_now_ns() + 12 * NS_PER_S / 10;
+    while (clock_now_ns() < until_ns) {
+        if (s->count == 4)
+            play(&d, "jawOpen", 0.8, 0.15);
+        if (s->count == 14)
+            play(&d, "jawOpen", 0.0, 0.15);
+        fixture_frame(&d);
+        const bool is_new = s->count == 0 || s->sample_ns[s->count - 1] != d.view->at_ns;
+        if (d.view->mode != LIVE_OVERDUBS || !is_new || s->count == SEEN_MAX)
+            continue;
+        s->sample_ns[s->count] = d.view->at_ns;
+        s->hash[s->count++] = fixture_hash(d.view->position, (size_t)d.view->vertex_count * 3);
+    }
+    fixture_must(live_record_end(d.live, &err), &err);
+    if (!live_overdub_edits(d.live, &edits, &count, &err))
+        fail_msg("nothing was performed: %s", err.text);
+    for (uint32_t i = 0; i < count; ++i) {
+        char *line;
+        edit again;
+        fixture_must(edit_write(&line, &edits[i], &err), &err); /* as it is stored */
+        fixture_must(edit_parse(&again, line, strlen(line), &err), &err);
+        fixture_must(edit_apply(&t, &again, &err), &err);
+        free(line);
+        edit_finish(&again);
+        edit_finish(&edits[i]);
+    }
+    free(edits);
+    assert_int_equal(t.layer_count, 2);
+    assert_string_equal(t.layer[1].name, "palette");
+    assert_true(t.layer[1].is_additive);
+    assert_int_equal(t.layer[1].clip[0].part, TAKE_PALETTE);
+    uint32_t before = 0; /* faces before its first sample and after its last one */
+    while (before < s->count && s->sample_ns[before] <= t.layer[1].clip[0].start_ns)
+        before += 1;
+    s->count -= before;
+    memmove(s->sample_ns, s->sample_ns + before, s->count * sizeof *s->sample_ns);
+    memmove(s->hash, s->hash + before, s->count * sizeof *s->hash);
+    while (s->count > 0 && s->sample_ns[s->count - 1] >= t.layer[1].clip[0].end_ns)
+        s->count -= 1;
+    const uint32_t compared = seen_compare_take(&d, &t, 0, s);
+    if (compared < 20)
+        fail_msg("only %u faces were compared", compared);
     free(s);
+    take_finish(&t);
     fixture_finish(&d);
 }
 
@@ -189,7 +338,11 @@ int main(void)
         cmocka_unit_test(pose_fades_in_and_out),
         cmocka_unit_test(poses_add_up_and_all_at_once_stay_in_reach),
         cmocka_unit_test(take_shows_hand_and_poses_as_they_were_seen),
+        cmocka_unit_test(take_from_a_stored_state_shows_them_too),
         cmocka_unit_test(held_pose_without_samples_is_in_the_take),
+        cmocka_unit_test(clip_that_ends_with_a_pose_lets_it_go),
+        cmocka_unit_test(pose_that_the_rig_lost_moves_nothing_and_is_noted),
+        cmocka_unit_test(poses_over_a_take_are_added_to_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -47,40 +47,47 @@ static inline int64_t seen_record_end(live_fixture *d)
     return status.take;
 }
 
-/* The instants of the take at which faces were seen show these faces, after any other instant. */
-static inline uint32_t seen_compare(live_fixture *d, int64_t take_id, const seen_faces *s)
+/* The faces that were seen from start_ns on are those of the take, after any other instant. */
+static inline uint32_t seen_compare_take(live_fixture *d, const take *t, int64_t start_ns,
+                                         const seen_faces *s)
 {
     error err = {""};
-    take t = {0};
     sequencer *plays;
     uint32_t compared = 0;
-    fixture_take(d, take_id, &t);
     show *reading;
     fixture_must(show_open(&reading, d->show_path, SHOW_READ, &err), &err);
     const sequencer_settings settings = {
         .show = reading, .plugins = &d->plugins, .log = d->log, .face = &d->face};
-    fixture_must(sequencer_create(&plays, &settings, &t, &err), &err);
+    fixture_must(sequencer_create(&plays, &settings, t, &err), &err);
     composer *shown = sequencer_performer(plays)->composer;
     size_t size = (size_t)d->view->vertex_count * 3;
     float *rows = malloc(size * sizeof *rows);
-    int64_t start_ns = d->live->take_begun_ns;
     for (uint32_t n = 0; n < 2 * s->count; ++n) { /* on, and then back, by what was kept */
         uint32_t i = n < s->count ? n : 2 * s->count - 1 - n;
         int64_t at_ns = s->sample_ns[i] - start_ns;
-        if (at_ns < 0 || at_ns >= t.duration_ns)
+        if (at_ns < 0 || at_ns >= t->duration_ns)
             continue;
         fixture_must(sequencer_play_to(plays, at_ns, &err), &err);
         composer_draw(shown);
         points_to_rows(rows, face_shown(composer_face(shown)), face_order(composer_face(shown)));
         if (fixture_hash(rows, size) != s->hash[i])
             fail_msg("face %u of %u, at %.4f s of %.4f s, is another one%s", i, s->count,
-                     (double)at_ns / 1e9, (double)t.duration_ns / 1e9,
+                     (double)at_ns / 1e9, (double)t->duration_ns / 1e9,
                      n < s->count ? "" : " when it is sought");
         compared += n < s->count;
     }
     free(rows);
     sequencer_destroy(plays);
     show_close(reading);
+    return compared;
+}
+
+/* The same for the newest recording of the stage. */
+static inline uint32_t seen_compare(live_fixture *d, int64_t take_id, const seen_faces *s)
+{
+    take t = {0};
+    fixture_take(d, take_id, &t);
+    const uint32_t compared = seen_compare_take(d, &t, d->live->take_begun_ns, s);
     take_finish(&t);
     return compared;
 }

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define PALETTE_NAME "palette"
+#define PALETTE_NAME TAKE_PALETTE_LAYER
 
 static const int64_t settle_ns = 100 * NS_PER_MS; /* samples go on after a fade for this time */
 
@@ -72,8 +72,6 @@ static mrt_result join_one(live *self, uint32_t which, error *err)
         result = live_add_input(self, p->input[which], name[which], err);
     if (result < 0)
         p->input[which] = NULL;
-    else
-        send(self, which, FEED_MOVES);
     return result;
 }
 
@@ -112,6 +110,17 @@ static bool is_of_face(const live *self)
     return is_same;
 }
 
+void live_palette_repeat(live *self)
+{
+    for (uint32_t i = 0; i < self->palette.input_count; ++i) {
+        bool is_held = false;
+        for (uint32_t c = 1; c < MRT_MAX_CHANNELS; ++c)
+            is_held |= self->palette.value[i][c] > 0.0f;
+        if (is_held)
+            send(self, i, FEED_MOVES);
+    }
+}
+
 /* Another face may have other poses. The strengths begin at 0 then. A new performer of the same
  * poses gets the strengths again. */
 void live_palette_update(live *self)
@@ -130,12 +139,11 @@ void live_palette_update(live *self)
         }
         return;
     }
-    const bool is_new_scene = p->scene != self->scene;
+    if (p->scene != self->scene)
+        live_palette_repeat(self);
     p->scene = self->scene;
     for (uint32_t i = 0; i < p->input_count; ++i)
-        if (is_new_scene)
-            send(self, i, FEED_MOVES);
-        else if (p->rests_at_ns[i] > 0 && now_ns >= p->rests_at_ns[i])
+        if (p->rests_at_ns[i] > 0 && now_ns >= p->rests_at_ns[i])
             send(self, i, FEED_RESTS);
 }
 

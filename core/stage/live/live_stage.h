@@ -354,7 +354,9 @@ void live_inputs_update(live *self);
 
 void live_palette_update(live *self);
 bool live_palette_is_moving(const live *self); /* its inputs do not rest yet */
-void live_palette_finish(live *self);          /* after the inputs */
+/* Sends the strengths of poses that are held again, to a layer that was reset. */
+void live_palette_repeat(live *self);
+void live_palette_finish(live *self); /* after the inputs */
 
 /* ---- live_record.c: recording, sound ---- */
 

@@ -46,7 +46,7 @@ static uint32_t find_pose(const palette *self, const char *name, uint32_t first)
 {
     for (uint32_t i = 0; i < self->count; ++i) {
         const uint32_t at = (first + i) % self->count;
-        if (strcmp(self->mapped->pose[at].name, name) == 0)
+        if (strncmp(self->mapped->pose[at].name, name, CHANNEL_NAME - 1) == 0)
             return at;
     }
     return self->count;

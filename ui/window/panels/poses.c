@@ -18,7 +18,7 @@
 #define LABEL  74.0f
 
 enum { THUMBNAIL_PIXELS = 176, LABEL_TEXT = 64 };
-static const float cell_least = 84.0f, caption = 18.0f, gap = 4.0f;
+static const float cell_least = 84.0f, line = 17.0f, gap = 4.0f;
 
 struct panel {
     app *app;
@@ -222,7 +222,23 @@ static void press(panel *self, uint32_t pose)
     pose_palette_press(of, pose);
 }
 
-static void draw_cell(panel *self, ui *on, uint32_t pose, float size)
+/* Draws a label in one or two lines. */
+static void draw_label(ui *on, float x, float y, float width, const char *label)
+{
+    char first[LABEL_TEXT];
+    (void)snprintf(first, sizeof first, "%s", label);
+    for (char *space; ui_text_width(on, UI_STYLE_BODY, first) > width;) {
+        space = strrchr(first, ' ');
+        if (!space)
+            break;
+        *space = '\0';
+    }
+    ui_draw_text(on, x, y, UI_STYLE_BODY, THEME_TEXT, width, first);
+    if (label[strlen(first)] == ' ')
+        ui_draw_text(on, x, y + line, UI_STYLE_BODY, THEME_TEXT, width, label + strlen(first) + 1);
+}
+
+static void draw_cell(panel *self, ui *on, uint32_t pose, float size, float caption)
 {
     pose_palette *of = app_poses(self->app);
     const char *name = pose_palette_name(of, pose);
@@ -262,7 +278,7 @@ static void draw_cell(panel *self, ui *on, uint32_t pose, float size)
         ui_draw_text(on, badge.x + 4.0f, badge.y + 1.0f, UI_STYLE_BODY, THEME_TEXT, width - 6.0f,
                      controls);
     }
-    ui_draw_text(on, at.where.x, at.where.y + size + 1.0f, UI_STYLE_BODY, THEME_TEXT, size, label);
+    draw_label(on, at.where.x, at.where.y + size, size, label);
     ui_canvas_end(on);
     (void)snprintf(hint, sizeof hint, "%s.%s%s%s", label, controls[0] ? " Played by " : "",
                    controls, controls[0] ? "." : "");
@@ -300,6 +316,13 @@ static void draw_group(panel *self, ui *on, group of)
     const uint32_t column_count = (uint32_t)fmaxf(floorf((room + gap) / (cell_least + gap)), 1.0f);
     const float size = floorf((room + gap) / (float)column_count - gap);
     uint32_t column = 0;
+    float caption = line + 1.0f;
+    for (uint32_t i = 0; i < count; ++i) {
+        char label[LABEL_TEXT];
+        write_label(self->poses[i].name, label);
+        if (is_in(self, i, of) && ui_text_width(on, UI_STYLE_BODY, label) > size)
+            caption = 2.0f * line + 1.0f;
+    }
     ui_id_begin(on, title[of]);
     for (uint32_t i = 0; i < count; ++i) {
         if (!is_in(self, i, of))
@@ -308,7 +331,7 @@ static void draw_group(panel *self, ui *on, group of)
             ui_same_line(on);
             ui_at(on, (float)column * (size + gap));
         }
-        draw_cell(self, on, i, size);
+        draw_cell(self, on, i, size, caption);
         column = (column + 1) % column_count;
     }
     ui_id_end(on);
