@@ -462,8 +462,11 @@ void pose_palette_update(pose_palette *self)
     for (uint32_t i = 0; i < self->count; ++i)
         self->pose[i].level = fmin(self->pose[i].level, 1.0);
     send_changes(self);
-    if (self->settings.trigger_count > 0 || self->learns != NOBODY)
-        app_want_frame(self->of, 0.0); /* pads and faders move while the face rests */
+    bool is_polled = self->learns != NOBODY; /* pads and faders move while the face rests */
+    for (uint32_t i = 0; i < self->settings.trigger_count; ++i)
+        is_polled |= self->settings.trigger[i].key == 0;
+    if (is_polled)
+        app_want_frame(self->of, 0.0);
 }
 
 /* ---- the remote control, neutral ---- */
