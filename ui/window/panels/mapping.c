@@ -801,7 +801,10 @@ static void draw_found(panel *self, ui *on, instance *mapping)
 static void draw_groups(panel *self, ui *on, instance *mapping)
 {
     char title[128];
-    bool is_small = mapping->type->param_count <= 16;
+    uint32_t count = 0; /* without choices of a pose, which few change */
+    for (uint32_t i = 0; i < mapping->type->param_count; ++i)
+        count += !(mapping->type->params[i].flags & MRT_PARAM_POSE);
+    const bool is_small = count <= 16;
     for (uint32_t i = 0; i < self->group_count; ++i) {
         uint32_t changed = changed_in(mapping, self->group[i]);
         if (changed > 0)
