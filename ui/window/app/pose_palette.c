@@ -16,7 +16,7 @@ static const double press_share = 0.02;
 
 typedef struct played { /* one pose */
     double latched;     /* by a press or the remote control */
-    double sent;        /* what the stage was told */
+    double sent;        /* what the stage was told; below 0: something else than before */
     double fade_s;      /* of the next change; NaN: as the settings say */
     double level;       /* of this frame */
     bool is_followed;   /* a fader moved it in this frame */
@@ -210,13 +210,13 @@ uint32_t pose_palette_find(const pose_palette *self, const char *name)
 
 double pose_palette_wanted(const pose_palette *self, uint32_t pose)
 {
-    return pose < self->count ? self->pose[pose].sent : 0.0;
+    return pose < self->count ? fmax(self->pose[pose].sent, 0.0) : 0.0;
 }
 
 static void forget_poses(pose_palette *self)
 {
     for (uint32_t i = 0; i < PALETTE_POSES_MAX; ++i)
-        self->pose[i] = (played){.fade_s = NAN};
+        self->pose[i] = (played){.sent = -1.0, .fade_s = NAN};
     self->pressed = self->learns = NOBODY;
 }
 
