@@ -99,9 +99,9 @@ static void bones_that_no_pose_moves_are_held_or_free(void **state)
     begin(&f);
     step(&f, 0.0, 0.0f, 1.0f, 0.0f, 0.0f);
     step(&f, 0.1, 0.0f, 1.0f, 0.0f, 0.0f);
-    palette_hold_bones(&f.palette, false);
+    palette_hold_rest(&f.palette, false);
     assert_true(isnan(f.palette.pull.dof[1]) && f.palette.pull.dof[0] > 0.2f);
-    palette_hold_bones(&f.palette, true);
+    palette_hold_rest(&f.palette, true);
     assert_true(f.palette.pull.dof[1] >= 0.0f && f.palette.pull.dof[1] <= 0.0f);
 }
 

@@ -222,6 +222,59 @@ static int64_t record_a_pose(live_fixture *d, take *out)
     return id;
 }
 
+/* Rows of the face of a take at an instant. The caller frees them. */
+static float *rows_of(live_fixture *d, const take *t, int64_t at_ns)
+{
+    error err = {""};
+    sequencer *plays;
+    const sequencer_settings settings = {
+        .show = d->show, .plugins = &d->plugins, .log = d->log, .face = &d->face};
+    fixture_must(sequencer_create(&plays, &settings, t, &err), &err);
+    fixture_must(sequencer_seek(plays, at_ns, &err), &err);
+    composer *shown = sequencer_performer(plays)->composer;
+    composer_draw(shown);
+    float *rows = malloc((size_t)d->view->vertex_count * 3 * sizeof *rows);
+    assert_non_null(rows);
+    points_to_rows(rows, face_shown(composer_face(shown)), face_order(composer_face(shown)));
+    sequencer_destroy(plays);
+    return rows;
+}
+
+/* So nothing jumps when a pose begins over a hand: at a hundredth it moves the face by about a
+ * hundredth of its 12 mm. */
+static void faint_pose_hardly_moves_the_face(void **state)
+{
+    (void)state;
+    live_fixture d;
+    error err = {""};
+    char text[FIXTURE_PATH];
+    take t;
+    start(&d, "one_hand");
+    snprintf(text, sizeof text, "log:%s/plugins/log/demo_hand.csv,loop=1", SOURCE_DIR);
+    fixture_must(fixture_add_input(&d, text, &err), &err);
+    fixture_pass(&d, 5.0);
+    fixture_must(live_record(d.live, &slate, &err), &err);
+    fixture_pass(&d, 0.3);
+    play(&d, "browInnerUp", 0.01, 0.05);
+    fixture_pass(&d, 1.2);
+    fixture_take(&d, seen_record_end(&d), &t);
+    double most_mm = 0.0;
+    for (int64_t at_ns = NS_PER_S / 2; at_ns < 14 * NS_PER_S / 10; at_ns += 150 * NS_PER_MS) {
+        t.layer[1].is_muted = false;
+        float *with = rows_of(&d, &t, at_ns);
+        t.layer[1].is_muted = true;
+        float *without = rows_of(&d, &t, at_ns);
+        for (size_t i = 0; i < (size_t)d.view->vertex_count * 3; ++i)
+            most_mm = fmax(most_mm, fabs((double)with[i] - (double)without[i]));
+        free(with);
+        free(without);
+    }
+    if (most_mm < 0.01 || most_mm > 0.25)
+        fail_msg("the pose moves the face by %g mm", most_mm);
+    take_finish(&t);
+    fixture_finish(&d);
+}
+
 static void clip_that_ends_with_a_pose_lets_it_go(void **state)
 {
     (void)state;
@@ -340,6 +393,7 @@ int main(void)
         cmocka_unit_test(take_shows_hand_and_poses_as_they_were_seen),
         cmocka_unit_test(take_from_a_stored_state_shows_them_too),
         cmocka_unit_test(held_pose_without_samples_is_in_the_take),
+        cmocka_unit_test(faint_pose_hardly_moves_the_face),
         cmocka_unit_test(clip_that_ends_with_a_pose_lets_it_go),
         cmocka_unit_test(pose_that_the_rig_lost_moves_nothing_and_is_noted),
         cmocka_unit_test(poses_over_a_take_are_added_to_it),

@@ -108,8 +108,20 @@ static void write_vector(mrt_vector *out, mrt_vec3 rest, vec3 offset, uint32_t c
                           (float)((double)rest.z + offset.z)};
 }
 
-/* All contacts are pulled, also those that a pose leaves at rest: a pose then has the same shape
- * beside every other pull, which still moves them. */
+/* Lists the contacts that are moved, then the others. */
+static void order_contacts(palette *self, const vec3 *offset, uint32_t *out)
+{
+    const uint32_t count = self->mapped->about.contact_count;
+    self->contact_count = count < MRT_MAX_VECTORS ? count : (uint32_t)MRT_MAX_VECTORS;
+    uint32_t at = 0;
+    for (int is_rest = 0; is_rest < 2; ++is_rest) {
+        for (uint32_t k = 0; k < self->contact_count; ++k)
+            if ((vec3_length(offset[k]) > 0.0) == (is_rest == 0))
+                out[at++] = k;
+        self->moved_count = is_rest ? self->moved_count : at;
+    }
+}
+
 static void pull(palette *self, const guard *reach)
 {
     const mrt_face *about = &self->mapped->about;
@@ -125,16 +137,17 @@ static void pull(palette *self, const guard *reach)
     }
     if (!has_strength)
         return;
+    uint32_t contact[MRT_MAX_VECTORS] = {0};
+    order_contacts(self, offset, contact);
     self->pull.mode = MRT_ANCHORED;
-    self->pull.count =
-        about->contact_count < MRT_MAX_VECTORS ? about->contact_count : (uint32_t)MRT_MAX_VECTORS;
+    self->pull.count = self->contact_count;
     for (uint32_t d = 0; d < about->dof_count && d < MRT_MAX_DOFS; ++d)
         self->pull.dof[d] = (float)dof[d];
     double share = 1.0;
     do {
         for (uint32_t k = 0; k < self->pull.count; ++k)
-            write_vector(&self->pull.vector[k], about->contacts[k].rest,
-                         vec3_scale(offset[k], share), k);
+            write_vector(&self->pull.vector[k], about->contacts[contact[k]].rest,
+                         vec3_scale(offset[contact[k]], share), contact[k]);
         share *= 0.5;
     } while (guard_fault(reach, &self->pull) && share > 1e-3);
     if (guard_fault(reach, &self->pull))
@@ -163,10 +176,13 @@ bool palette_read(palette *self, const guard *reach, const sample_step *s)
     return true;
 }
 
-void palette_hold_bones(palette *self, bool is_held)
+void palette_hold_rest(palette *self, bool is_held)
 {
     const uint32_t dof_count = self->mapped->about.dof_count;
-    for (uint32_t d = 0; self->pull.mode != MRT_IDLE && d < dof_count && d < MRT_MAX_DOFS; ++d) {
+    if (self->pull.mode == MRT_IDLE)
+        return;
+    self->pull.count = is_held ? self->contact_count : self->moved_count;
+    for (uint32_t d = 0; d < dof_count && d < MRT_MAX_DOFS; ++d) {
         float *dof = &self->pull.dof[d];
         if (isnan(*dof) || !(fabsf(*dof) > 0.0f))
             *dof = is_held ? 0.0f : NAN;

@@ -36,7 +36,9 @@ typedef struct palette {
     bool is_known; /* has had a sample */
     int64_t time_ns;
     double dt_s;   /* from the sample before to the last one, at most 0.1 */
-    mrt_pull pull; /* anchored, or idle: no pose has any strength */
+    mrt_pull pull; /* anchored, or idle: no pose has any strength. The contacts that poses move come
+                      first */
+    uint32_t moved_count, contact_count; /* of these, and of all in `pull` */
     palette_pose pose[PALETTE_POSES_MAX];
 } palette;
 
@@ -50,9 +52,9 @@ bool palette_is_alone(const sample_step *s);
 /* Call for every step, in time order. Reads the samples of palettes. Returns true if the step has
  * one. reach: shortens the pull to it. */
 bool palette_read(palette *self, const guard *reach, const sample_step *s);
-/* Holds the degrees of freedom that no pose moves at neutral, or releases them. A pose then looks
- * the same whether or not other pulls drive the face. */
-void palette_hold_bones(palette *self, bool is_held);
+/* Holds the contacts and degrees of freedom that no pose moves at neutral, so that a pose is the
+ * one face of the rig; or releases them, so that it does not disturb the pulls of others. */
+void palette_hold_rest(palette *self, bool is_held);
 /* Whether no strength changes any more. */
 bool palette_is_settled(const palette *self);
 

@@ -227,7 +227,7 @@ void performer_compose(performer *self, uint32_t fresh, int64_t now_ns, performe
         has_vectors |= pull->mode != MRT_IDLE && pull->count > 0;
     }
     for (uint32_t i = 0; i < voice_count; ++i)
-        palette_hold_bones(&self->voice[seen[i]].layer->palette, !has_vectors);
+        palette_hold_rest(&self->voice[seen[i]].layer->palette, !has_vectors);
     out->count = 0;
     for (uint32_t i = 0; i < voice_count; ++i)
         out->count += parts_of(self, seen[i], seen[i] == fresh, now_ns, out->part + out->count);
