@@ -346,6 +346,39 @@ static void a_pad_that_is_unplugged_while_it_is_held_lets_its_pose_go(void **sta
     close_poses(&s);
 }
 
+static void send_fader(uint8_t value)
+{
+    const uint8_t bytes[3] = {0xb0, 1, value};
+    assert_int_equal(write(pad, bytes, sizeof bytes), sizeof bytes);
+}
+
+static void a_fader_is_followed(void **state)
+{
+    scene s;
+    char jaw[] = "jawOpen";
+    (void)state;
+    open_poses(&s, true);
+    send_fader(0);
+    scene_frames(&s, 30);
+    pose_palette_learn(poses(&s), find(&s, jaw));
+    scene_frames(&s, 5);
+    for (uint8_t value = 1; value < 60; ++value) { /* by hand, not in one step */
+        send_fader(value);
+        scene_frames(&s, 2);
+        clock_sleep_until_ns(clock_now_ns() + 10 * NS_PER_MS);
+    }
+    assert_true(scene_until(&s, has_learnt, jaw));
+    assert_string_equal(trigger_of(&s, jaw)->channel, "cc.1");
+    assert_true(trigger_of(&s, jaw)->follows);
+    send_fader(32);
+    await_strength(&s, jaw, 32.0 / 127.0);
+    send_fader(127);
+    await_strength(&s, jaw, 1.0);
+    send_fader(0);
+    await_strength(&s, jaw, 0.0);
+    close_poses(&s);
+}
+
 static void latch_favourites_and_search(void **state)
 {
     scene s;
@@ -402,6 +435,7 @@ int main(void)
         cmocka_unit_test(poses_are_played_recorded_edited_and_exported),
         cmocka_unit_test(a_key_learnt_twice_plays_the_last_and_undo_brings_the_first_back),
         cmocka_unit_test(a_pad_that_is_unplugged_while_it_is_held_lets_its_pose_go),
+        cmocka_unit_test(a_fader_is_followed),
         cmocka_unit_test(latch_favourites_and_search),
         cmocka_unit_test(a_face_without_poses_says_so),
     };
