@@ -312,10 +312,9 @@ static void pose_that_the_rig_lost_moves_nothing_and_is_noted(void **state)
     fixture_finish(&d);
 }
 
-/* A take of a hand, over which poses alone are played. */
-static void poses_over_a_take_are_added_to_it(void **state)
+/* A take of a hand, with a pose or without one, over which poses alone are played. */
+static void play_over_a_take(bool has_pose)
 {
-    (void)state;
     live_fixture d;
     error err = {""};
     char text[FIXTURE_PATH];
@@ -328,9 +327,14 @@ static void poses_over_a_take_are_added_to_it(void **state)
     snprintf(text, sizeof text, "log:%s/plugins/log/demo_hand.csv,loop=1", SOURCE_DIR);
     fixture_must(fixture_add_input(&d, text, &err), &err);
     fixture_must(live_record(d.live, &slate, &err), &err);
-    fixture_pass(&d, 1.5);
+    fixture_pass(&d, 0.2);
+    if (has_pose)
+        play(&d, "mouthSmileLeft", 1.0, 0.3);
+    fixture_pass(&d, 1.3);
     fixture_take(&d, seen_record_end(&d), &t);
-    assert_int_equal(t.layer_count, 1); /* no pose was played */
+    const uint32_t below = has_pose ? 2 : 1;
+    assert_int_equal(t.layer_count, below);
+    play(&d, "mouthSmileLeft", 0.0, 0.1);
     fixture_must(live_remove_input(d.live, live_input_count(d.live) - 1, &err), &err);
     play(&d, "browInnerUp", 0.5, 0.1); /* held into the overdub */
     fixture_pass(&d, 0.3);
@@ -365,17 +369,18 @@ static void poses_over_a_take_are_added_to_it(void **state)
         edit_finish(&edits[i]);
     }
     free(edits);
-    assert_int_equal(t.layer_count, 2);
-    assert_string_equal(t.layer[1].name, "palette");
-    assert_true(t.layer[1].is_additive);
-    assert_int_equal(t.layer[1].clip[0].part, TAKE_PALETTE);
+    assert_int_equal(t.layer_count, below + 1);
+    const take_layer *top = &t.layer[below];
+    assert_string_equal(top->name, "palette");
+    assert_true(top->is_additive);
+    assert_int_equal(top->clip[0].part, TAKE_PALETTE);
     uint32_t before = 0; /* faces before its first sample and after its last one */
-    while (before < s->count && s->sample_ns[before] <= t.layer[1].clip[0].start_ns)
+    while (before < s->count && s->sample_ns[before] <= top->clip[0].start_ns)
         before += 1;
     s->count -= before;
     memmove(s->sample_ns, s->sample_ns + before, s->count * sizeof *s->sample_ns);
     memmove(s->hash, s->hash + before, s->count * sizeof *s->hash);
-    while (s->count > 0 && s->sample_ns[s->count - 1] >= t.layer[1].clip[0].end_ns)
+    while (s->count > 0 && s->sample_ns[s->count - 1] >= top->clip[0].end_ns)
         s->count -= 1;
     const uint32_t compared = seen_compare_take(&d, &t, 0, s);
     if (compared < 20)
@@ -383,6 +388,18 @@ static void poses_over_a_take_are_added_to_it(void **state)
     free(s);
     take_finish(&t);
     fixture_finish(&d);
+}
+
+static void poses_over_a_take_are_added_to_it(void **state)
+{
+    (void)state;
+    play_over_a_take(false);
+}
+
+static void poses_over_poses_are_added_to_them(void **state)
+{
+    (void)state;
+    play_over_a_take(true);
 }
 
 int main(void)
@@ -397,6 +414,7 @@ int main(void)
         cmocka_unit_test(clip_that_ends_with_a_pose_lets_it_go),
         cmocka_unit_test(pose_that_the_rig_lost_moves_nothing_and_is_noted),
         cmocka_unit_test(poses_over_a_take_are_added_to_it),
+        cmocka_unit_test(poses_over_poses_are_added_to_them),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
