@@ -75,9 +75,9 @@ typedef enum edit_kind {
     EDIT_KIND_COUNT
 } edit_kind;
 
-/* Material is a span of a performance: performance, from_ns .. to_ns. source_ns is the instant that
- * is shown at the start. If the material does not run at its recorded speed, warp replaces
- * source_ns. */
+/* Material is a span of a performance, or of a part of it: performance, from_ns .. to_ns, part.
+ * source_ns is the instant that is shown at the start. If the material does not run at its recorded
+ * speed, warp replaces source_ns. */
 typedef struct edit {
     edit_kind kind;
     uint32_t layer, clip;   /* ids */
@@ -85,6 +85,7 @@ typedef struct edit {
                                bottom, UINT32_MAX: on top */
     uint32_t number, rating;
     uint32_t regions; /* bit set of 1 << own_region */
+    uint32_t part;    /* take_part; 0: the whole performance */
     bool is_muted, is_solo, is_additive, is_drop, is_ripple;
     int64_t performance, audio;
     int64_t from_ns, to_ns, source_ns;

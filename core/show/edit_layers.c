@@ -254,6 +254,7 @@ mrt_result edit_material(take_clip *out, take *t, const take_layer *layer, const
                          (long long)full.from_ns, edit_seconds(EDIT_TIME_MAX_NS).text,
                          (long long)full.to_ns);
     take_clip clip = {.performance = full.performance,
+                      .part = (take_part)full.part,
                       .from_ns = full.from_ns,
                       .to_ns = full.to_ns,
                       .start_ns = start_ns,

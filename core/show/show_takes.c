@@ -217,7 +217,27 @@ mrt_result show_take_spans(show *self, int64_t id, show_span **out, size_t *out_
 
 /* ---- the take before its edits ---- */
 
-static mrt_result add_clip(take_layer *layer, const show_span *span, int64_t start_ns, error *err)
+/* Whether a palette was played in the span, or before it in data that the span needs. Such data is
+ * never removed, so the answer stays. A palette at rest has one sample, when it is opened. */
+static mrt_result has_palette(show *self, int64_t take_id, const show_span *span, bool *out,
+                              error *err)
+{
+    sqlite_statement *row = sqlite_query(
+        self->db,
+        "SELECT 1 FROM span JOIN performance_track p ON p.performance = span.performance"
+        "  JOIN track t ON t.id = p.track JOIN plugin ON plugin.id = t.plugin"
+        "  JOIN chunk c ON c.track = t.id"
+        " WHERE span.take = ?1 AND span.performance = ?2 AND span.is_shown"
+        "  AND plugin.identity LIKE '" TAKE_PALETTE_ID " %'"
+        "  AND c.from_ns <= ?3 AND c.to_ns >= span.need_ns AND c.to_ns > c.from_ns LIMIT 1",
+        "i", "iii", take_id, span->performance, span->to_ns);
+    const mrt_result result = sqlite_step(row, err);
+    *out = result == MRT_OK;
+    return sqlite_finish_rows(row, result);
+}
+
+static mrt_result add_clip(take *t, take_layer *layer, const show_span *span, take_part part,
+                           error *err)
 {
     void *clips = layer->clip;
     mrt_result result = show_grow(&clips, layer->clip_count, sizeof *layer->clip, err);
@@ -225,12 +245,13 @@ static mrt_result add_clip(take_layer *layer, const show_span *span, int64_t sta
     if (result < 0)
         return result;
     take_clip *clip = &layer->clip[layer->clip_count];
-    *clip = (take_clip){.id = 2 + layer->clip_count,
+    *clip = (take_clip){.id = ++t->id_count,
                         .performance = span->performance,
+                        .part = part,
                         .from_ns = span->from_ns,
                         .to_ns = span->to_ns,
-                        .start_ns = span->from_ns - start_ns,
-                        .end_ns = span->to_ns - start_ns,
+                        .start_ns = span->from_ns - t->start_ns,
+                        .end_ns = span->to_ns - t->start_ns,
                         .warp_count = 1,
                         .warp = calloc(1, sizeof *clip->warp),
                         .gain = 1};
@@ -241,21 +262,52 @@ static mrt_result add_clip(take_layer *layer, const show_span *span, int64_t sta
     return MRT_OK;
 }
 
-static mrt_result fill_layer(take *out, const show_span *spans, size_t count, error *err)
+static bool is_clip(const show_span *span)
 {
-    out->layer = calloc(1, sizeof *out->layer);
-    if (!out->layer)
-        return error_set(err, MRT_ERR_MEMORY, "no memory for a layer");
-    out->layer_count = 1;
-    take_layer *layer = out->layer;
-    layer->id = 1;
-    layer->gain = 1;
-    snprintf(layer->name, sizeof layer->name, "performance");
+    return span->is_shown && span->performance && span->to_ns > span->from_ns;
+}
+
+/* The poses of the palette lie above the rest, as they did when they were played. */
+static mrt_result add_palette(take *out, const show_span *spans, size_t count, const bool *plays,
+                              error *err)
+{
+    take_layer *layer = &out->layer[out->layer_count++];
     mrt_result result = MRT_OK;
+    *layer = (take_layer){.id = ++out->id_count, .is_additive = true, .gain = 1};
+    snprintf(layer->name, sizeof layer->name, TAKE_PALETTE_LAYER);
     for (size_t i = 0; i < count && result >= 0; ++i)
-        if (spans[i].is_shown && spans[i].performance && spans[i].to_ns > spans[i].from_ns)
-            result = add_clip(layer, &spans[i], out->start_ns, err);
-    out->id_count = 1 + layer->clip_count;
+        if (plays[i])
+            result = add_clip(out, layer, &spans[i], TAKE_PALETTE, err);
+    return result;
+}
+
+static mrt_result fill_layers(show *self, take *out, const show_span *spans, size_t count,
+                              error *err)
+{
+    enum { LAYERS = 2 };
+    bool *plays = calloc(count, sizeof *plays), any = false;
+    out->layer = calloc(LAYERS, sizeof *out->layer);
+    mrt_result result = MRT_OK;
+    if (!out->layer || !plays)
+        result = error_set(err, MRT_ERR_MEMORY, "no memory for a layer");
+    for (size_t i = 0; i < count && result >= 0; ++i) {
+        if (is_clip(&spans[i]))
+            result = has_palette(self, out->id, &spans[i], &plays[i], err);
+        any |= plays[i];
+    }
+    if (result < 0)
+        goto done;
+    take_layer *layer = &out->layer[out->layer_count++];
+    *layer = (take_layer){.id = ++out->id_count, .gain = 1};
+    snprintf(layer->name, sizeof layer->name, "performance");
+    for (size_t i = 0; i < count && result >= 0; ++i)
+        if (is_clip(&spans[i]))
+            result =
+                add_clip(out, layer, &spans[i], plays[i] ? TAKE_WITHOUT_PALETTE : TAKE_WHOLE, err);
+    if (any && result >= 0)
+        result = add_palette(out, spans, count, plays, err);
+done:
+    free(plays);
     return result;
 }
 
@@ -290,7 +342,7 @@ mrt_result show_take_base_of(show *self, const show_take *row, take *out, error 
     for (size_t i = 0; i < span_count; ++i)
         shown += spans[i].is_shown;
     if (shown > 0)
-        result = fill_layer(out, spans, span_count, err);
+        result = fill_layers(self, out, spans, span_count, err);
     free(spans);
     if (result < 0)
         take_finish(out);

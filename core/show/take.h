@@ -106,9 +106,21 @@ typedef struct take_warp_point {
     int64_t at_ns, source_ns;
 } take_warp_point;
 
+/* What a clip shows of its performance. The poses that were played on the palette
+ * (stage/perform/palette.h) have samples of their own, so they can be a layer of their own. */
+#define TAKE_PALETTE_ID    "org.marotte.palette" /* type id of the input that plays poses */
+#define TAKE_PALETTE_LAYER "palette"             /* name of their layer */
+typedef enum take_part {
+    TAKE_WHOLE = 0,
+    TAKE_WITHOUT_PALETTE, /* hands, patch and mapping */
+    TAKE_PALETTE,         /* the palette alone */
+    TAKE_PARTS
+} take_part;
+
 typedef struct take_clip { /* a span of the timeline that shows a span of a performance */
     uint32_t id;           /* unique in the take, stable through edits */
     int64_t performance;
+    take_part part;
     int64_t from_ns, to_ns;   /* show time of the raw data behind the clip; source 0 is from_ns */
     int64_t start_ns, end_ns; /* on the timeline of the take */
     uint32_t warp_count;      /* >= 1 */

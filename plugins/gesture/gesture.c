@@ -161,20 +161,23 @@ enum {
     REJECT,
     LEAVE,
     DWELL,
-    PARAM_COUNT
+    POSE,
+    PARAM_COUNT = POSE + GESTURES
 };
+/* What plays: an expression, or the pose that was chosen for a gesture. */
+enum { ACTIONS = EXPRESSION_COUNT + GESTURES };
 typedef enum phase { QUIET = 0, RISING, HOLDING, FALLING } phase;
-typedef struct envelopes { /* of each expression */
-    phase phase[EXPRESSION_COUNT];
-    double progress[EXPRESSION_COUNT]; /* progress of the phase, 0 .. 1 */
-    double from[EXPRESSION_COUNT],
-        level[EXPRESSION_COUNT];        /* level at the start of the phase, and now: 0 .. 1 */
-    unsigned gesture[EXPRESSION_COUNT]; /* gesture that triggered it */
+typedef struct envelopes { /* of each action */
+    phase phase[ACTIONS];
+    double progress[ACTIONS];             /* progress of the phase, 0 .. 1 */
+    double from[ACTIONS], level[ACTIONS]; /* level at the start of the phase, and now: 0 .. 1 */
+    unsigned gesture[ACTIONS];            /* gesture that triggered it */
 } envelopes;
 
 struct mrt_plugin {
     const mrt_host *host;
     expressions expressions;
+    expression_poses poses;
     centroid stored[GESTURES]; /* default or loaded gestures: restored by a reset */
     recogniser recogniser;
     envelopes play;
@@ -195,6 +198,12 @@ static mrt_plugin *create(const mrt_host *host)
     memcpy(self->stored, shipped, sizeof self->stored);
     reset(self);
     return self;
+}
+
+static void set_poses(mrt_plugin *self, const mrt_face *face, const mrt_rig_pose *poses,
+                      uint32_t count)
+{
+    expression_poses_set(&self->poses, face, poses, count);
 }
 
 static mrt_result activate(mrt_plugin *self, const mrt_face *face)
@@ -254,20 +263,28 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     const double *params = frame->params;
     const mrt_hand *hand = performing_hand(frame, params[HAND]);
     double part[EXPRESSION_COUNT];
+    expression_played played[GESTURES];
     const recogniser_limits limits = {params[REJECT], params[LEAVE], params[DWELL]};
     recogniser_watch(&self->recogniser, hand, frame->dt_s);
     teach(self, params);
     unsigned begun = recogniser_step(&self->recogniser, hand, frame->dt_s, &limits);
     if (begun != NO_GESTURE) {
-        int which = (int)params[ACTION + begun];
+        const bool has_pose = expression_poses_find(&self->poses, params[POSE + begun]) != NULL;
+        int which = has_pose ? EXPRESSION_COUNT + (int)begun : (int)params[ACTION + begun];
         enter(&self->play, which, RISING);
         self->play.gesture[which] = begun;
     }
-    for (int i = 0; i < EXPRESSION_COUNT; ++i) {
+    for (int i = 0; i < ACTIONS; ++i) {
+        const double amount = 0.01 * params[AMOUNT];
         step(&self->play, i, self->recogniser.current, frame->dt_s, params);
-        part[i] = 0.01 * params[AMOUNT] * self->play.level[i];
+        if (i < EXPRESSION_COUNT)
+            part[i] = amount * self->play.level[i];
+        else
+            played[i - EXPRESSION_COUNT] = (expression_played){
+                expression_poses_find(&self->poses, params[POSE + i - EXPRESSION_COUNT]),
+                amount * self->play.level[i]};
     }
-    expressions_write(&self->expressions, part, pull);
+    expressions_write(&self->expressions, part, &self->poses, played, GESTURES, pull);
     return MRT_OK;
 }
 
@@ -316,7 +333,7 @@ static mrt_result pose(const void *bytes, size_t size, uint32_t param, float *ou
 static memory_list memory_of(mrt_plugin *self)
 {
     return (memory_list){.type = "org.marotte.gesture",
-                         .version = 1,
+                         .version = 2,
                          .parts = {
                              MEMORY_FLOATS(self->stored),
                              RECOGNISER_MEMORY(self->recogniser),
@@ -340,6 +357,12 @@ static const char *const action_labels[EXPRESSION_COUNT + 1] = {
         id, MRT_PARAM_TRIGGER, name, "Teach", "",                                                  \
             "Learn this gesture from the hand pose of the last 0.3 s. Default: " what ".", 0, 1,   \
             0, NULL                                                                                \
+    }
+#define POSE_PARAM(id, name)                                                                       \
+    {                                                                                              \
+        id, MRT_PARAM_STEPPED | MRT_PARAM_POSE, name, "Pose", "",                                  \
+            "Pose of the rig for this gesture, instead of its action.", 0, MRT_POSE_VALUES, 0,     \
+            NULL                                                                                   \
     }
 #define ACTION_PARAM(id, name, initial)                                                            \
     {                                                                                              \
@@ -373,17 +396,20 @@ static const mrt_param params[PARAM_COUNT] = {
      "Distance from a gesture at which it ends.", 1, 60, 10, NULL},
     {18, 0, "Dwell", "Recognition", "s", "Time for which a gesture must be held before it counts.",
      0, 2, 0.1, NULL},
+    POSE_PARAM(19, "Pose 1"),
+    POSE_PARAM(20, "Pose 2"),
+    POSE_PARAM(21, "Pose 3"),
+    POSE_PARAM(22, "Pose 4"),
 };
 /* clang-format on */
 
 static const mrt_mapping mapping = {activate, mapping_deactivate, reset, process};
+static const mrt_rig_poses rig_poses = {set_poses};
 static const mrt_state state = {save_taught, load_taught};
 static const mrt_taught_poses taught_poses = {pose};
-static const mrt_interface interfaces[] = {{MRT_MAPPING, &mapping},
-                                           {MRT_STATE, &state},
-                                           {MRT_TAUGHT_POSES, &taught_poses},
-                                           {MRT_RESUME, &resume},
-                                           {NULL, NULL}};
+static const mrt_interface interfaces[] = {
+    {MRT_MAPPING, &mapping},           {MRT_RIG_POSES, &rig_poses}, {MRT_STATE, &state},
+    {MRT_TAUGHT_POSES, &taught_poses}, {MRT_RESUME, &resume},       {NULL, NULL}};
 static const mrt_plugin_type type = {
     MRT_ABI,
     PARAM_COUNT,

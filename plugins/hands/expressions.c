@@ -198,9 +198,57 @@ static float turn_of(const expressions *self, const double part[EXPRESSION_COUNT
     return (float)sum;
 }
 
-void expressions_write(const expressions *self, const double part[EXPRESSION_COUNT], mrt_pull *pull)
+/* ---- chosen poses ---- */
+
+void expression_poses_set(expression_poses *out, const mrt_face *face, const mrt_rig_pose *poses,
+                          uint32_t count)
 {
-    mrt_vector vector[EXPRESSIONS_CONTACTS_MAX];
+    *out = (expression_poses){.face = face, .pose = poses};
+    out->count = count < EXPRESSIONS_POSES_MAX ? count : (uint32_t)EXPRESSIONS_POSES_MAX;
+    for (uint32_t i = 0; i < out->count; ++i)
+        out->value[i] = mrt_pose_value(poses[i].name);
+}
+
+const mrt_rig_pose *expression_poses_find(const expression_poses *self, double value)
+{
+    for (uint32_t i = 0; i < self->count; ++i)
+        if ((double)self->value[i] <= value && (double)self->value[i] >= value)
+            return &self->pose[i];
+    return NULL;
+}
+
+static uint32_t vector_of(mrt_vector *vector, uint32_t *count, const mrt_face *face,
+                          uint32_t contact)
+{
+    for (uint32_t i = 0; i < *count; ++i)
+        if (vector[i].contact == contact + 1)
+            return i;
+    const mrt_vec3 rest = face->contacts[contact].rest;
+    vector[*count] = (mrt_vector){rest, rest, contact + 1};
+    return (*count)++;
+}
+
+static void add_pose(const expression_poses *of, const expression_played *played,
+                     mrt_vector *vector, uint32_t *count, mrt_pull *pull)
+{
+    const mrt_face *face = of->face;
+    const float strength = (float)played->strength;
+    for (uint32_t k = 0; k < face->contact_count && k < MRT_MAX_VECTORS; ++k) {
+        mrt_vector *v = &vector[vector_of(vector, count, face, k)];
+        v->end = vec_sum(v->end, strength, played->pose->pulls[k]);
+    }
+    for (uint32_t d = 0; d < face->dof_count && d < MRT_MAX_DOFS; ++d) {
+        const float turn = strength * played->pose->dofs[d];
+        pull->dof[d] = (isnan(pull->dof[d]) ? 0.0f : pull->dof[d]) + turn;
+    }
+}
+
+void expressions_write(const expressions *self, const double part[EXPRESSION_COUNT],
+                       const expression_poses *of, const expression_played *played,
+                       uint32_t played_count, mrt_pull *pull)
+{
+    mrt_vector vector[EXPRESSIONS_CONTACTS_MAX + MRT_MAX_VECTORS];
+    uint32_t count = self->contact_count;
     for (uint32_t i = 0; i < self->contact_count; ++i) {
         mrt_vec3 rest = self->rest[i], way = way_of(self, part, i);
         vector[i] = (mrt_vector){rest, vec_sum(rest, 1.0f, way), 1 + self->contact[i]};
@@ -209,5 +257,8 @@ void expressions_write(const expressions *self, const double part[EXPRESSION_COU
         pull->dof[i] = NAN;
     for (uint32_t i = 0; i < self->dof_count; ++i)
         pull->dof[self->dof[i]] = turn_of(self, part, i);
-    mapping_pull(pull, vector, self->contact_count, 0.0f);
+    for (uint32_t i = 0; i < played_count; ++i)
+        if (played[i].pose)
+            add_pose(of, &played[i], vector, &count, pull);
+    mapping_pull(pull, vector, count < MRT_MAX_VECTORS ? count : (uint32_t)MRT_MAX_VECTORS, 0.0f);
 }

@@ -7,7 +7,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { HAND, TEACH, FORGET = TEACH + SPACE_POSES, AMOUNT, EASE, WIDTH, RIDGE, PARAM_COUNT };
+enum {
+    HAND,
+    TEACH,
+    FORGET = TEACH + SPACE_POSES,
+    AMOUNT,
+    EASE,
+    WIDTH,
+    RIDGE,
+    SHOWN, /* the pose of the face for each pose of the hand but the first, which is neutral */
+    PARAM_COUNT = SHOWN + SPACE_POSES - 1
+};
 
 static const expression expressions_of[SPACE_POSES] = {
     EXPRESSION_NEUTRAL,  EXPRESSION_SMILE,      EXPRESSION_FROWN,  EXPRESSION_JAW_OPEN,
@@ -42,6 +52,7 @@ typedef struct lessons {
 struct mrt_plugin {
     const mrt_host *host;
     expressions expressions;
+    expression_poses poses;
     lessons stored; /* default or loaded demonstrations: restored by a reset */
     lessons now;
     double weight[SPACE_POSES]; /* of the face shown */
@@ -75,6 +86,12 @@ static mrt_plugin *create(const mrt_host *host)
     show_shipped(&self->stored);
     reset(self);
     return self;
+}
+
+static void set_poses(mrt_plugin *self, const mrt_face *face, const mrt_rig_pose *poses,
+                      uint32_t count)
+{
+    expression_poses_set(&self->poses, face, poses, count);
 }
 
 static mrt_result activate(mrt_plugin *self, const mrt_face *face)
@@ -161,6 +178,7 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     const double *params = frame->params;
     const mrt_hand *hand = performing_hand(frame, params[HAND]);
     double wanted[SPACE_POSES], part[EXPRESSION_COUNT] = {0.0};
+    expression_played played[SPACE_POSES] = {{NULL, 0.0}};
     attend(self, hand, params);
     if (!hand)
         return MRT_HOLD;
@@ -168,9 +186,13 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     double share = smoothing_share(frame->dt_s, params[EASE]);
     for (int pose = 0; pose < SPACE_POSES; ++pose) {
         self->weight[pose] += share * (wanted[pose] - self->weight[pose]);
-        part[expressions_of[pose]] = 0.01 * params[AMOUNT] * self->weight[pose];
+        const double amount = 0.01 * params[AMOUNT] * self->weight[pose];
+        if (pose > 0)
+            played[pose].pose = expression_poses_find(&self->poses, params[SHOWN + pose - 1]);
+        played[pose].strength = amount;
+        part[expressions_of[pose]] = played[pose].pose ? 0.0 : amount;
     }
-    expressions_write(&self->expressions, part, pull);
+    expressions_write(&self->expressions, part, &self->poses, played, SPACE_POSES, pull);
     return MRT_OK;
 }
 
@@ -256,6 +278,13 @@ static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
             "Learn the current hand pose as: " pose ". Default: " what ".", 0, 1, 0, NULL          \
     }
 
+#define SHOWN_PARAM(id, name, pose)                                                                \
+    {                                                                                              \
+        id, MRT_PARAM_STEPPED | MRT_PARAM_POSE, name, "Pose", "",                                  \
+            "Pose of the rig that the hand pose of " pose " makes instead.", 0, MRT_POSE_VALUES,   \
+            0, NULL                                                                                \
+    }
+
 /* clang-format off */
 static const mrt_param params[PARAM_COUNT] = {
     PERFORMING_HAND_PARAM(1),
@@ -277,18 +306,24 @@ static const mrt_param params[PARAM_COUNT] = {
     {14, 0, "Ridge", "Learning", "",
      "Regularisation: 0.001 follows each demonstration exactly, 1 hardly.",
      0.001, 1, 0.01, NULL},
+    SHOWN_PARAM(15, "Pose for smile", "smile"),
+    SHOWN_PARAM(16, "Pose for frown", "frown"),
+    SHOWN_PARAM(17, "Pose for jaw open", "jaw open"),
+    SHOWN_PARAM(18, "Pose for brows up", "brows up"),
+    SHOWN_PARAM(19, "Pose for brows down", "brows down"),
+    SHOWN_PARAM(20, "Pose for pucker", "pucker"),
+    SHOWN_PARAM(21, "Pose for blink", "blink"),
 };
 /* clang-format on */
 
 static const mrt_mapping mapping = {activate, mapping_deactivate, reset, process};
+static const mrt_rig_poses rig_poses = {set_poses};
 static const mrt_state state = {save_lessons, load_lessons};
 static const mrt_resume resume = {save, load};
 static const mrt_taught_poses taught_poses = {pose};
-static const mrt_interface interfaces[] = {{MRT_MAPPING, &mapping},
-                                           {MRT_STATE, &state},
-                                           {MRT_TAUGHT_POSES, &taught_poses},
-                                           {MRT_RESUME, &resume},
-                                           {NULL, NULL}};
+static const mrt_interface interfaces[] = {
+    {MRT_MAPPING, &mapping},           {MRT_RIG_POSES, &rig_poses}, {MRT_STATE, &state},
+    {MRT_TAUGHT_POSES, &taught_poses}, {MRT_RESUME, &resume},       {NULL, NULL}};
 static const mrt_plugin_type type = {
     MRT_ABI,
     PARAM_COUNT,

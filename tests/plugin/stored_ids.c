@@ -59,10 +59,10 @@ static void no_stored_id_is_a_path(void **state)
         store_identity(f, identity);
         const replay_world world = {
             .show = f->show, .plugins = &f->plugins, .log = f->log, .scratch = scratch};
-        assert_true(replay_open(&again, &world, f->performance, &err) < 0);
+        assert_true(replay_open(&again, &world, f->performance, TAKE_WHOLE, &err) < 0);
         assert_null(again);
         assert_non_null(strstr(err.text, "there is no mapping plugin"));
-        assert_true(activity_create(&drawn, &world, f->performance, &err) < 0);
+        assert_true(activity_create(&drawn, &world, f->performance, TAKE_WHOLE, &err) < 0);
         assert_false(is_loaded());
     }
     assert_int_equal(f->plugins.refusal_count, refusals);

@@ -239,6 +239,31 @@ static void demo_makes_three_gestures_at_their_times(void **state)
     bench_tear_down(&b);
 }
 
+/* By its name; a pose that the face lacks leaves the action. */
+static void a_gesture_plays_the_pose_of_the_rig_that_was_chosen(void **state)
+{
+    (void)state;
+    bench b;
+    bench_open(&b, "gesture", &bench_face, "pose_2=joy,pose_3=grin");
+    bench_give_joy(&b);
+    bench_talk_for(&b, MRT_RIGHT, 10);
+    hold(&b, pointing, 60);
+    assert_true(fabsf(smile(&b) - 7.0f) < 1e-3f);
+    assert_true(fabsf(brow(&b)) <= 0.0f); /* not the action of the gesture */
+    const uint32_t anchor = b.pull.anchor;
+    hold(&b, pointing, 10);
+    assert_int_equal(b.pull.anchor, anchor);
+    bench_talk_for(&b, MRT_RIGHT, 100);
+    assert_true(bench_longest(&b.pull) <= 1e-6f);
+    bench_tear_down(&b);
+    bench_open(&b, "gesture", &bench_face, "pose_2=grin");
+    bench_give_joy(&b);
+    bench_talk_for(&b, MRT_RIGHT, 10);
+    hold(&b, pointing, 60);
+    assert_true(brow(&b) > 9.0f);
+    bench_tear_down(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -253,6 +278,7 @@ int main(void)
         cmocka_unit_test(an_action_goes_on_while_the_hand_is_away_and_nothing_jumps),
         cmocka_unit_test(demo_makes_three_gestures_at_their_times),
         cmocka_unit_test(face_without_names_is_refused_with_a_sentence),
+        cmocka_unit_test(a_gesture_plays_the_pose_of_the_rig_that_was_chosen),
         cmocka_unit_test(walks_stay_bounded),
         cmocka_unit_test(shipped_faces_do_not_fold),
     };

@@ -35,6 +35,20 @@ static inline void bench_open(bench *b, const char *name, const mrt_face *about,
     b->frame.near = true;
 }
 
+/* Gives the mapping one pose, "joy", which lifts the left corner of the mouth by 7 mm. */
+static inline void bench_give_joy(bench *b)
+{
+    static mrt_vec3 pulls[BENCH_CONTACTS];
+    static float dofs[BENCH_DOFS];
+    static const mrt_rig_pose joy = {"joy", pulls, dofs, MRT_POSE_WHOLE};
+    const mrt_rig_poses *poses = plugin_interface(b->plugin.type, MRT_RIG_POSES);
+    assert_non_null(poses);
+    for (uint32_t i = 0; i < BENCH_CONTACTS; ++i)
+        if (strcmp(bench_contacts[i].name, "mouth.corner.l") == 0)
+            pulls[i].y = 7.0f;
+    poses->set(b->plugin.self, b->face, &joy, 1);
+}
+
 /* Whether activate refuses the face, and says why. */
 static inline bool bench_refuses(const char *name, const mrt_face *about)
 {

@@ -301,6 +301,19 @@ static void demo_talks_smiles_and_lifts_its_brows(void **state)
     bench_tear_down(&b);
 }
 
+static void a_hand_pose_makes_the_pose_of_the_rig_that_was_chosen(void **state)
+{
+    (void)state;
+    bench b;
+    float most[3] = {0};
+    bench_open(&b, "poses", &bench_face, "pose_for_brows_up=joy");
+    bench_give_joy(&b);
+    bench_demo(&b, watch_face, most);
+    assert_true(most[0] > 0.12f && most[1] > 5.0f);
+    assert_true(most[2] < 2.0f); /* brows */
+    bench_tear_down(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -315,6 +328,7 @@ int main(void)
         cmocka_unit_test(demo_talks_smiles_and_lifts_its_brows),
         cmocka_unit_test(state_keeps_what_was_taught_over_a_reset),
         cmocka_unit_test(face_without_names_is_refused_with_a_sentence),
+        cmocka_unit_test(a_hand_pose_makes_the_pose_of_the_rig_that_was_chosen),
         cmocka_unit_test(walks_stay_bounded),
         cmocka_unit_test(shipped_faces_do_not_fold),
     };

@@ -125,7 +125,7 @@ static void a_small_window_keeps_room_for_its_panels(void **state)
 static const action pages[] = {ACTION_PANEL_DEVICES, ACTION_PANEL_MAPPING, ACTION_PANEL_RIG,
                                ACTION_PANEL_ENGINE,  ACTION_PANEL_LOG,     ACTION_PANEL_PATCH,
                                ACTION_PANEL_OUTPUT,  ACTION_PANEL_SCENE,   ACTION_PANEL_HAND,
-                               ACTION_HELP,          ACTION_OPEN};
+                               ACTION_PANEL_POSES,   ACTION_HELP,          ACTION_OPEN};
 enum { PAGES = sizeof pages / sizeof pages[0] };
 
 /* Every page; each fault is told. */

@@ -21,7 +21,7 @@ static void open_lanes(live_fixture *d, lanes *out, int64_t performance)
     fixture_must(performer_create(&out->scratch, &d->face, NULL, &of_rig, &err), &err);
     out->world = (replay_world){
         .show = out->show, .plugins = &d->plugins, .log = d->log, .scratch = out->scratch};
-    fixture_must(activity_create(&out->of, &out->world, performance, &err), &err);
+    fixture_must(activity_create(&out->of, &out->world, performance, TAKE_WHOLE, &err), &err);
 }
 
 static void close_lanes(lanes *l)

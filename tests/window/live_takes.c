@@ -1,92 +1,12 @@
 /* What a live stage records: everything, whatever the window does; and that it plays as it was
  * seen. */
-#include "window/live_fixture.h"
-
-#include "stage/playback/sequencer.h"
-
-enum { SEEN_MAX = 4096 };
-static const int64_t apart_ns = 30 * NS_PER_MS; /* as pictures: each is performed again twice */
-
-typedef struct seen { /* the faces that were looked at while a take was recorded */
-    uint32_t count;
-    int64_t sample_ns[SEEN_MAX];
-    uint64_t hash[SEEN_MAX];
-} seen;
+#include "window/live_seen.h"
 
 static const writer_slate slate = {.scene = "1", .shot = "a"};
-
-static void remember(live_fixture *d, seen *s)
-{
-    bool is_new = s->count == 0 || d->view->sample_ns - s->sample_ns[s->count - 1] >= apart_ns;
-    if (!is_new || s->count == SEEN_MAX)
-        return;
-    s->sample_ns[s->count] = d->view->sample_ns;
-    s->hash[s->count++] = fixture_hash(d->view->position, (size_t)d->view->vertex_count * 3);
-}
-
-/* For so long, and until the last that was measured by then is seen. */
-static void watch(live_fixture *d, seen *s, double seconds)
-{
-    int64_t until_ns = clock_now_ns() + (int64_t)(seconds * 1e9);
-    int64_t last_ns = until_ns + 20 * NS_PER_S;
-    while (clock_now_ns() < until_ns || (d->view->sample_ns < until_ns - NS_PER_S / 20 &&
-                                         d->live->moves && clock_now_ns() < last_ns)) {
-        fixture_frame(d);
-        remember(d, s);
-    }
-}
-
-static int64_t record_end(live_fixture *d)
-{
-    error err = {""};
-    live_status status;
-    fixture_must(live_record_end(d->live, &err), &err);
-    live_status_of(d->live, &status);
-    assert_false(status.is_recording);
-    return status.take;
-}
 
 static void demo_input(char *out, size_t capacity, const char *more)
 {
     snprintf(out, capacity, "log:%s/plugins/log/demo_hand.csv%s", SOURCE_DIR, more);
-}
-
-/* The instants of the take at which faces were seen show these faces, after any other instant. */
-static uint32_t compare(live_fixture *d, int64_t take_id, const seen *s)
-{
-    error err = {""};
-    take t = {0};
-    sequencer *plays;
-    uint32_t compared = 0;
-    fixture_take(d, take_id, &t);
-    show *reading;
-    fixture_must(show_open(&reading, d->show_path, SHOW_READ, &err), &err);
-    const sequencer_settings settings = {
-        .show = reading, .plugins = &d->plugins, .log = d->log, .face = &d->face};
-    fixture_must(sequencer_create(&plays, &settings, &t, &err), &err);
-    composer *shown = sequencer_performer(plays)->composer;
-    size_t size = (size_t)d->view->vertex_count * 3;
-    float *rows = malloc(size * sizeof *rows);
-    int64_t start_ns = d->live->take_begun_ns;
-    for (uint32_t n = 0; n < 2 * s->count; ++n) { /* on, and then back, by what was kept */
-        uint32_t i = n < s->count ? n : 2 * s->count - 1 - n;
-        int64_t at_ns = s->sample_ns[i] - start_ns;
-        if (at_ns < 0 || at_ns >= t.duration_ns)
-            continue;
-        fixture_must(sequencer_play_to(plays, at_ns, &err), &err);
-        composer_draw(shown);
-        points_to_rows(rows, face_shown(composer_face(shown)), face_order(composer_face(shown)));
-        if (fixture_hash(rows, size) != s->hash[i])
-            fail_msg("face %u of %u, at %.4f s of %.4f s, is another one%s", i, s->count,
-                     (double)at_ns / 1e9, (double)t.duration_ns / 1e9,
-                     n < s->count ? "" : " when it is sought");
-        compared += n < s->count;
-    }
-    free(rows);
-    sequencer_destroy(plays);
-    show_close(reading);
-    take_finish(&t);
-    return compared;
 }
 
 static void release(live_fixture *d)
@@ -96,14 +16,14 @@ static void release(live_fixture *d)
 }
 
 /* Clay is slow: nothing waits for it. */
-static void knead(live_fixture *d, seen *s, uint32_t contact, vec3 way)
+static void knead(live_fixture *d, seen_faces *s, uint32_t contact, vec3 way)
 {
     vec3 rest = fixture_rest(d, contact), from = d->view->contact[contact];
     for (int i = 0; i <= 10; ++i) {
         fixture_point(d, POINTER_KNEADS, rest, vec3_add(from, vec3_scale(way, 0.1 * (double)i)),
                       false);
         fixture_frame(d);
-        remember(d, s);
+        seen_remember(d, s);
     }
 }
 
@@ -178,15 +98,15 @@ static void recorded_hand_plays_as_it_was_seen(void **state)
     live_fixture d;
     error err = {""};
     char text[FIXTURE_PATH];
-    seen *s = calloc(1, sizeof *s);
+    seen_faces *s = calloc(1, sizeof *s);
     fixture_start(&d, "puppet", "one_hand", FIXTURE_SHOW);
     demo_input(text, sizeof text, ",start=2,end=4");
     fixture_must(fixture_add_input(&d, text, &err), &err);
     fixture_pass(&d, 0.2); /* it does not begin at rest */
     fixture_must(live_record(d.live, &slate, &err), &err);
-    watch(&d, s, 2.2); /* to the end of the record, and a little more */
-    int64_t id = record_end(&d);
-    uint32_t compared = compare(&d, id, s);
+    seen_watch(&d, s, 2.2); /* to the end of the record, and a little more */
+    int64_t id = seen_record_end(&d);
+    uint32_t compared = seen_compare(&d, id, s);
     if (compared < 5)
         fail_msg("only %u faces were compared", compared);
     free(s);
@@ -198,7 +118,7 @@ static void recorded_drags_play_as_they_were_seen(void **state)
     (void)state;
     live_fixture d;
     error err = {""};
-    seen *s = calloc(1, sizeof *s);
+    seen_faces *s = calloc(1, sizeof *s);
     fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
     uint32_t left = fixture_contact(&d, "mouth.corner.l"),
              right = fixture_contact(&d, "mouth.corner.r");
@@ -208,20 +128,20 @@ static void recorded_drags_play_as_they_were_seen(void **state)
     fixture_let_go(&d);
     fixture_must(live_record(d.live, &slate, &err), &err);
     fixture_drag(&d, POINTER_PULLS, left, up, false);
-    watch(&d, s, 0.1);
+    seen_watch(&d, s, 0.1);
     release(&d);
-    watch(&d, s, 0.4);
+    seen_watch(&d, s, 0.4);
     knead(&d, s, left, up);
     release(&d);
-    watch(&d, s, 0.1);
+    seen_watch(&d, s, 0.1);
     fixture_drag(&d, POINTER_PULLS, right, up, true);
-    watch(&d, s, 0.1);
+    seen_watch(&d, s, 0.1);
     release(&d);
-    watch(&d, s, 0.2);
+    seen_watch(&d, s, 0.2);
     live_neutral(d.live);
-    watch(&d, s, 0.5);
-    int64_t id = record_end(&d);
-    uint32_t compared = compare(&d, id, s);
+    seen_watch(&d, s, 0.5);
+    int64_t id = seen_record_end(&d);
+    uint32_t compared = seen_compare(&d, id, s);
     if (compared < 5)
         fail_msg("only %u faces were compared", compared);
     free(s);
@@ -246,7 +166,7 @@ static void still_face_has_a_take_of_its_length(void **state)
     int64_t begun_ns = clock_now_ns();
     fixture_pass(&d, 0.5);
     int64_t least_ns = clock_now_ns() - begun_ns;
-    int64_t id = record_end(&d);
+    int64_t id = seen_record_end(&d);
     fixture_pass(&d, 0.1);
     fixture_take(&d, id, &t);
     lasts(&t, least_ns);
@@ -313,7 +233,7 @@ static void without_a_show_it_says_why_nothing_is_recorded(void **state)
     fixture_must(live_set_show(d.live, d.show, &err), &err);
     fixture_must(live_record(d.live, &slate, &err), &err);
     fixture_pass(&d, 0.1);
-    assert_true(record_end(&d) > 0);
+    assert_true(seen_record_end(&d) > 0);
     fixture_finish(&d);
 }
 
@@ -332,7 +252,7 @@ static void changes_are_refused_while_a_take_is_recorded(void **state)
     assert_true(live_set_face(d.live, &d.face, d.face_path, 0.0, &err) < 0);
     assert_true(live_calibrate(d.live, MRT_LEFT, NULL, &err) < 0);
     assert_true(live_record(d.live, &slate, &err) < 0);
-    (void)record_end(&d);
+    (void)seen_record_end(&d);
     fixture_must(fixture_add_input(&d, text, &err), &err);
     fixture_finish(&d);
 }

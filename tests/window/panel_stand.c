@@ -148,10 +148,23 @@ uint64_t viewport_output_drawn(const viewport *self, viewport_taker to)
 }
 
 uint32_t viewport_portrait(viewport *self, const float *position, uint32_t vertex_count,
-                           const float ground[4], uint32_t width, uint32_t height)
+                           const float ground[4], const float frame[6], uint32_t width,
+                           uint32_t height)
 {
-    (void)self, (void)position, (void)vertex_count, (void)ground, (void)width, (void)height;
+    (void)self, (void)position, (void)vertex_count, (void)ground, (void)frame;
+    (void)width, (void)height;
     return 0;
+}
+
+const mrt_rig_pose *live_poses(const live *self, uint32_t *out_count)
+{
+    static mrt_rig_pose pose[128];
+    const rig *r = here->file ? here->file->rig : NULL;
+    (void)self;
+    *out_count = r && r->pose_count < 128 ? r->pose_count : 0;
+    for (uint32_t i = 0; i < *out_count; ++i)
+        pose[i] = (mrt_rig_pose){.name = r->pose[i].name, .part = (uint32_t)r->pose[i].part};
+    return pose;
 }
 
 const char *live_patch_note(const live *self)

@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "app_fixture.h"
-#include "window/app/expressions.h"
+#include "window/app/pose_palette.h"
 #include "window/app/presets.h"
 #include "window/app/remote.h"
 #include "window/app/remote_wire.h"
@@ -332,7 +332,7 @@ static void a_preset_of_the_mapping_is_asked_of_its_panel(void **state)
     close_fixture(&d);
 }
 
-/* ---- expressions ---- */
+/* ---- poses ---- */
 
 static const double smiles_mm = 2.0;
 
@@ -358,9 +358,9 @@ static bool is_at_rest(app *of)
     return moved_mm(of) < 0.05;
 }
 
-static bool has_expressions(app *of)
+static bool has_poses(app *of)
 {
-    return expressions_count(app_expressions(of)) > 0 && app_status(of)->patch_speaks != 0;
+    return pose_palette_count(app_poses(of)) > 0;
 }
 
 static void a_named_pose_fades_in_and_out_and_is_in_the_take(void **state)
@@ -368,7 +368,7 @@ static void a_named_pose_fades_in_and_out_and_is_in_the_take(void **state)
     fixture d;
     (void)state;
     open_fixture(&d, false);
-    assert_true(until(&d.room, has_expressions));
+    assert_true(until(&d.room, has_poses));
     join(&d);
     says(&d, "{\"do\":\"record\"}", "{\"recording\":true}");
     says(&d, "{\"do\":\"expression\",\"name\":\"joy\",\"fade_s\":0.2}", "\"ok\":true");
@@ -385,12 +385,12 @@ static void a_named_pose_fades_in_and_out_and_is_in_the_take(void **state)
     close_fixture(&d);
 }
 
-static void neutral_lets_expressions_go(void **state)
+static void neutral_lets_poses_go(void **state)
 {
     fixture d;
     (void)state;
     open_fixture(&d, false);
-    assert_true(until(&d.room, has_expressions));
+    assert_true(until(&d.room, has_poses));
     const heard h = osc(&d, "/marotte/remote/expression/joy");
     assert_int_equal(h.ok, 1);
     assert_true(until(&d.room, is_smiling));
@@ -790,7 +790,7 @@ int main(void)
         cmocka_unit_test(a_script_asks_and_is_told_what_happens),
         cmocka_unit_test(a_preset_of_the_mapping_is_asked_of_its_panel),
         cmocka_unit_test(a_named_pose_fades_in_and_out_and_is_in_the_take),
-        cmocka_unit_test(neutral_lets_expressions_go),
+        cmocka_unit_test(neutral_lets_poses_go),
         cmocka_unit_test(other_hosts_and_origins_are_turned_away),
         cmocka_unit_test(nonsense_is_refused_with_one_line_and_the_rest_goes_on),
         cmocka_unit_test(one_that_the_network_reaches_needs_its_code),

@@ -31,11 +31,14 @@ static void join_own(char *out, size_t capacity, const take_layer *l)
 
 static void report_clip(take_call *call, const take_layer *l, const take_clip *c)
 {
+    static const char *const parts[TAKE_PARTS] = {[TAKE_WHOLE] = "",
+                                                  [TAKE_WITHOUT_PALETTE] = " without its poses",
+                                                  [TAKE_PALETTE] = ", the poses that were played"};
     char label[24], line[256];
     (void)snprintf(label, sizeof label, "  clip %u", c->id);
-    (void)snprintf(line, sizeof line, "%.3f .. %.3f s, performance %lld%s%s%s%s",
+    (void)snprintf(line, sizeof line, "%.3f .. %.3f s, performance %lld%s%s%s%s%s",
                    seconds(c->start_ns + l->offset_ns), seconds(c->end_ns + l->offset_ns),
-                   (long long)c->performance, c->warp_count > 1 ? ", retimed" : "",
+                   (long long)c->performance, parts[c->part], c->warp_count > 1 ? ", retimed" : "",
                    c->smooth_s > 0.0 ? ", smoothed" : "", c->is_muted ? ", muted" : "",
                    c->gain < 1.0 || c->gain > 1.0 ? ", with a gain" : "");
     const facts_cell cells[] = {{"id", NULL, c->id, 0},
@@ -43,6 +46,7 @@ static void report_clip(take_call *call, const take_layer *l, const take_clip *c
                                 {"start_s", NULL, seconds(c->start_ns + l->offset_ns), 9},
                                 {"end_s", NULL, seconds(c->end_ns + l->offset_ns), 9},
                                 {"performance", NULL, (double)c->performance, 0},
+                                {"part", NULL, c->part, 0},
                                 {"points", NULL, c->warp_count, 0},
                                 {"fade_in_s", NULL, seconds(c->fade_in_ns), 9},
                                 {"fade_out_s", NULL, seconds(c->fade_out_ns), 9},

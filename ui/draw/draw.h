@@ -22,6 +22,10 @@ void draw_target_destroy(draw_target *self);
 /* Returns the OpenGL name of the current picture, a 2D texture: sRGB-coded, first row at the
  * bottom. Valid until the target is destroyed. */
 uint32_t draw_target_texture(draw_target *self);
+/* Copies the current picture into a texture of its own, such as a thumbnail. Returns its OpenGL
+ * name, for draw_texture_destroy. */
+uint32_t draw_target_copy(draw_target *self);
+void draw_texture_destroy(uint32_t texture); /* 0 is fine */
 
 typedef struct draw_renderer draw_renderer; /* programs and lights */
 draw_renderer *draw_renderer_create(error *err);

@@ -235,6 +235,32 @@ uint32_t draw_target_texture(draw_target *self)
     return self->picture;
 }
 
+uint32_t draw_target_copy(draw_target *self)
+{
+    gl_state before;
+    GLuint texture = 0;
+    gl_state_enter(&before);
+    resolve(self);
+    gl_end_scene();
+    gl_bind_framebuffer(GL_READ_FRAMEBUFFER, self->picture_framebuffer);
+    glGenTextures(1, &texture);
+    glBindTexture(GL_TEXTURE_2D, texture);
+    glCopyTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, 0, 0, (GLsizei)self->width, (GLsizei)self->height,
+                     0);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    gl_state_leave(&before);
+    return texture;
+}
+
+void draw_texture_destroy(uint32_t texture)
+{
+    if (texture)
+        glDeleteTextures(1, &texture);
+}
+
 void draw_read(draw_target *self, uint8_t *out_rgba)
 {
     gl_state before;

@@ -1,4 +1,5 @@
 #include "window/workspace.h"
+#include "window/app/pose_palette.h"
 #include "window/dialogs.h"
 #include "window/gui/theme.h"
 #include "window/help.h"
@@ -8,6 +9,7 @@
 #include "window/streams.h"
 #include "window/timeline/record_menu.h"
 #include "window/viewport/viewport.h"
+#include "window/viewport/virtual_hand.h"
 
 #include "base/clock.h"
 #include "base/file.h"
@@ -141,9 +143,16 @@ static bool is_of_panel(workspace *self, key_chord chord)
             (looks->is_answering && chord.key == ' '));
 }
 
+/* A key that was learnt for a pose has no other meaning. */
+static bool is_of_pose(workspace *self, key_chord chord)
+{
+    return chord.modifiers == 0 && pose_palette_has_key(app_poses(self->app), chord.key);
+}
+
 static void workspace_dispatch_keys(workspace *self)
 {
     const bool is_hand = app_has_hand_keys(self->app);
+    pose_palette_read_keys(app_poses(self->app), self->ui, is_hand ? virtual_hand_has_key : NULL);
     if (help_takes_keys(&self->help, self->app, self->ui))
         return;
     if (ui_pressed(self->ui, UI_KEY_ESCAPE, 0)) {
@@ -153,7 +162,7 @@ static void workspace_dispatch_keys(workspace *self)
     for (uint32_t i = 1; i < ACTION_COUNT; ++i) {
         const key_chord chord = key_map_of(&app_looks_of(self->app)->keys, (action)i);
         if (chord.key == UI_KEY_NONE || (is_hand && !is_beside_hand(chord)) ||
-            is_of_panel(self, chord))
+            is_of_panel(self, chord) || is_of_pose(self, chord))
             continue;
         if (is_wanted(self, (action)i, chord))
             app_do(self->app, (action)i);
@@ -725,9 +734,10 @@ static const panel_type *const dock_types[APP_PANELS] = {
     [APP_DEVICES] = &panel_devices, [APP_MAPPING] = &panel_mapping, [APP_RIG] = &panel_rig,
     [APP_ENGINE] = &panel_engine,   [APP_LOG] = &panel_log,         [APP_PATCH] = &panel_patch,
     [APP_OUTPUT] = &panel_output,   [APP_SCENE] = &panel_scene,     [APP_HAND] = &panel_hand,
+    [APP_POSES] = &panel_poses,
 };
-static const char *const dock_names[APP_PANELS] = {"Devices", "Mapping", "Rig",   "Engine", "Log",
-                                                   "Patch",   "Send",    "Scene", "Hand"};
+static const char *const dock_names[APP_PANELS] = {
+    "Devices", "Mapping", "Rig", "Engine", "Log", "Patch", "Send", "Scene", "Hand", "Poses"};
 
 /* ---- life ---- */
 

@@ -291,7 +291,8 @@ static bool is_whole(double value)
 
 static void judge_flags(const mrt_param *p)
 {
-    const uint32_t known = MRT_PARAM_STEPPED | MRT_PARAM_TRIGGER | MRT_PARAM_HIDDEN;
+    const uint32_t known =
+        MRT_PARAM_STEPPED | MRT_PARAM_TRIGGER | MRT_PARAM_HIDDEN | MRT_PARAM_POSE;
     if (p->flags & ~known)
         tell_failed(RULE_PARAM_FLAGS, "\"%.60s\" has the flags 0x%x, of which 0x%x are unknown",
                     name_of(p), p->flags, p->flags & ~known);
@@ -299,6 +300,12 @@ static void judge_flags(const mrt_param *p)
         (!is_whole(p->min) || !is_whole(p->max) || !is_whole(p->initial)))
         tell_failed(RULE_PARAM_FLAGS, "\"%.60s\" is stepped, and %g, %g, %g are not all whole",
                     name_of(p), p->min, p->max, p->initial);
+    if ((p->flags & MRT_PARAM_POSE) &&
+        (!(p->flags & MRT_PARAM_STEPPED) || p->min < 0 || p->min > 0 || p->initial > 0 ||
+         p->max < MRT_POSE_VALUES || p->max > MRT_POSE_VALUES))
+        tell_failed(RULE_PARAM_FLAGS,
+                    "\"%.60s\" chooses a pose: stepped, min 0, max %.0f, initial 0, not %g, %g, %g",
+                    name_of(p), MRT_POSE_VALUES, p->min, p->max, p->initial);
     if ((p->flags & MRT_PARAM_TRIGGER) &&
         (p->min < 0 || p->min > 0 || p->initial > 0 || p->max < 1 || p->max > 1))
         tell_failed(RULE_PARAM_FLAGS,

@@ -90,8 +90,20 @@ typedef struct mrt_folders {
 enum {
     MRT_PARAM_STEPPED = 1, /* whole numbers only */
     MRT_PARAM_TRIGGER = 2, /* a button, or a pedal connected to it: 1 during exactly one call */
-    MRT_PARAM_HIDDEN = 4
+    MRT_PARAM_HIDDEN = 4,
+    /* With MRT_PARAM_STEPPED, of a mapping: chooses one of the poses of MRT_RIG_POSES. Values 0:
+     * none, to MRT_POSE_VALUES. The host shows the names of the poses. */
+    MRT_PARAM_POSE = 8
 };
+#define MRT_POSE_VALUES 4294967295.0
+/* Returns the value that stands for the pose of that name: never 0, and the same on every face. */
+static inline uint32_t mrt_pose_value(const char *name)
+{
+    uint32_t value = UINT32_C(2166136261); /* FNV-1a */
+    for (; *name; ++name)
+        value = (value ^ (unsigned char)*name) * UINT32_C(16777619);
+    return value ? value : 1;
+}
 typedef struct mrt_param {
     uint32_t id;    /* never changes and is never reused: presets and takes store it */
     uint32_t flags; /* MRT_PARAM_* */

@@ -131,6 +131,25 @@ CHECKED mrt_result live_save_pulled(live *self, void **out, size_t *out_size, er
  * a take is recorded. */
 CHECKED mrt_result live_load_pulled(live *self, const void *bytes, size_t size, error *err);
 
+/* Lists the poses of the face: those of its rig, and those with the names of ARKit and of visemes
+ * that its own shapes make. They are the channels of a palette (palette.h), the targets of a patch
+ * and what a mapping can choose. Valid until another face. */
+const mrt_rig_pose *live_poses(const live *self, uint32_t *out_count);
+
+/* ---- the palette: poses that are played above the mapping, see palette.h ---- */
+
+/* Adds the inputs of the palette, one for each PALETTE_INPUT_POSES poses, which stay and follow the
+ * face from then on. Does nothing while they are there. Refused while a take is recorded, and where
+ * too many inputs are open. */
+CHECKED mrt_result live_palette_open(live *self, error *err);
+/* Number of poses that can be played; pose i is live_poses()[i]. 0: the palette is not open, or the
+ * face has no poses. */
+uint32_t live_palette_count(const live *self);
+/* live_palette_set sets the wanted strength of a pose, 0..1. live_palette_send sends what was set
+ * since; these strengths fade there within fade_s. */
+void live_palette_set(live *self, uint32_t pose, double strength);
+void live_palette_send(live *self, double fade_s);
+
 /* ---- the mapping ---- */
 
 /* Crossfades to another mapping. "": none. Refused while a take is recorded. */

@@ -650,6 +650,13 @@ mrt_result live_cast_set_scene(live *self, const face_file *file, const char *pa
     return result;
 }
 
+const mrt_rig_pose *live_poses(const live *self, uint32_t *out_count)
+{
+    const mapped_face *mapped = composer_mapped(self->scene->performer->composer);
+    *out_count = mapped->pose_count;
+    return mapped->pose;
+}
+
 void live_own_solver(live *self, const csrbf_settings *solver)
 {
     self->has_own_solver = solver != NULL;

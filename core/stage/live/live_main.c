@@ -74,6 +74,7 @@ mrt_result live_stop(live *self, error *err)
     outputs_destroy(self->outputs);
     live_cast_finish(self);
     live_inputs_finish(self);
+    live_palette_finish(self);
     player_destroy(self->stage.loop);
     free(self);
     return result;
@@ -238,10 +239,12 @@ void live_update(live *self)
     live_over_update(self);
     live_cast_update(self);
     live_inputs_update(self);
+    live_palette_update(self);
     live_sound_update(self);
 }
 
 bool live_is_busy(const live *self)
 {
-    return self->coming || self->attach_take || self->is_over || self->is_over_done;
+    return self->coming || self->attach_take || self->is_over || self->is_over_done ||
+           live_palette_is_moving(self);
 }

@@ -199,6 +199,19 @@ typedef struct live_input_entry {
     live_sample_board *heard;
 } live_input_entry;
 
+/* [main] The inputs that play poses, see palette.h. */
+typedef struct live_palette {
+    bool is_open;
+    const live_scene *scene; /* that the strengths were sent to; only compared */
+    feed *feed[PALETTE_INPUTS];
+    input *input[PALETTE_INPUTS]; /* owned by `entry`, where they may be missing; only compared */
+    uint32_t input_count, pose_count;
+    char name[PALETTE_POSES_MAX][CHANNEL_NAME];
+    float value[PALETTE_INPUTS][MRT_MAX_CHANNELS];
+    bool is_marked[PALETTE_INPUTS];      /* a strength was set and not sent */
+    int64_t rests_at_ns[PALETTE_INPUTS]; /* time after which the feed rests; 0: it does */
+} live_palette;
+
 typedef struct live_measured { /* a calibration that was loaded; zeroed: none */
     char *path, *text;
     hand_calibration *use;
@@ -230,6 +243,7 @@ struct live {
     input *cast_input[PLAYER_INPUTS_MAX]; /* pointer, then `entry`: for the recorder */
     const char *cast_text[PLAYER_INPUTS_MAX];
     uint32_t entry_count;
+    live_palette palette;
     live_measured hand[2];
     uint32_t rezero_pedal, rezero_wanted;
     patch patch; /* count 0: no patch */
@@ -335,6 +349,14 @@ CHECKED mrt_result live_cast_restart(live *self, error *err);
 CHECKED mrt_result live_pointer_open(live *self, error *err);
 void live_inputs_finish(live *self);
 void live_inputs_update(live *self);
+
+/* ---- live_palette.c: poses that are played ---- */
+
+void live_palette_update(live *self);
+bool live_palette_is_moving(const live *self); /* its inputs do not rest yet */
+/* Sends the strengths of poses that are held again, to a layer that was reset. */
+void live_palette_repeat(live *self);
+void live_palette_finish(live *self); /* after the inputs */
 
 /* ---- live_record.c: recording, sound ---- */
 

@@ -556,6 +556,7 @@ mrt_result live_overdub_start(live *self, const overdub_plan *over, error *err)
     self->is_over = self->status.is_recording = true;
     self->overdub_count = b.overdub_count;
     self->take_begun_ns = clock_now_ns();
+    live_palette_repeat(self);
     return result;
 }
 

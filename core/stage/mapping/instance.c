@@ -191,6 +191,10 @@ static bool find_param(const instance *self, const char *key, uint32_t *out_inde
 
 static bool label_value(const mrt_param *p, const char *text, double *out)
 {
+    if ((p->flags & MRT_PARAM_POSE) && !isdigit((unsigned char)text[0])) {
+        *out = text[0] && strcmp(text, "none") != 0 ? (double)mrt_pose_value(text) : 0.0;
+        return true;
+    }
     for (size_t i = 0; p->labels && p->labels[i]; ++i) {
         char key[KEY_LENGTH];
         key_of(key, sizeof key, NULL, p->labels[i]);

@@ -723,6 +723,8 @@ static void join_parts(composer *self)
         return;
     float dof[MRT_MAX_DOFS];
     blend_dofs(self, dof);
+    for (uint32_t d = 0; self->control_count == 0 && d < MRT_MAX_DOFS; ++d)
+        dof[d] = isnan(dof[d]) ? 0.0f : dof[d]; /* no vector is left to derive the jaw from */
     request_shapes(self);
     aim(self, NULL, dof);
 }

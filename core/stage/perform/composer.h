@@ -20,7 +20,7 @@
 #include "stage/mapping/instance.h"
 #include "stage/perform/face_file.h"
 
-enum { COMPOSER_PARTS_MAX = 128 };
+enum { COMPOSER_PARTS_MAX = 144 };
 
 typedef struct composer composer;
 

@@ -106,6 +106,29 @@ static void accept_pull(performer *p, layer *of, mrt_result answer)
     layer_keep_good(of);
 }
 
+/* ---- phases 7 and 8 ---- */
+
+/* dt_s: since the last step of the voice. */
+static void move_face(stage_frame *f, double dt_s, int64_t *at_ns)
+{
+    performer *p = f->performer;
+    performer_parts parts;
+    if (f->is_pull_only)
+        return;
+
+    /* 7. Compose: collect the pulls of all voices, including patches, pointers, palettes and pulls
+     * that fade out. */
+    performer_compose(p, f->step.voice, f->step.due_ns, &parts);
+    end_phase(f, FRAME_COMPOSE, at_ns);
+
+    /* 8. Solve: all parts are joined in one engagement, or drag the shape one after the other. */
+    composer_move(p->composer, parts.part, parts.count, dt_s);
+    end_phase(f, FRAME_SOLVE, at_ns);
+
+    if (f->performed)
+        f->performed(f->self, f);
+}
+
 /* ---- a step, from its samples to the fields of the face ---- */
 
 mrt_result frame_step(stage_frame *f, error *err)
@@ -129,6 +152,11 @@ mrt_result frame_step(stage_frame *f, error *err)
     mrt_frame *in = &of->frame;
     p->counts->samples += s->count;
     p->counts->steps += 1;
+    (void)palette_read(&of->palette, &of->guard, s);
+    if (palette_is_alone(s)) {
+        move_face(f, of->palette.dt_s, &at_ns);
+        return MRT_OK;
+    }
 
     /* 3. Hands: calibrate, filter and pose the samples. Read the pointer: the mouse on the face
      * pulls too. */
@@ -160,21 +188,7 @@ mrt_result frame_step(stage_frame *f, error *err)
     /* 6. Guard: an invalid pull is dropped, and the last valid one is kept. */
     accept_pull(p, of, answer);
     end_phase(f, FRAME_GUARD, &at_ns);
-    if (f->is_pull_only)
-        return MRT_OK;
-
-    /* 7. Compose: collect the pulls of all voices, including patches, pointers and pulls that fade
-     * out. */
-    performer_parts parts;
-    performer_compose(p, s->voice, s->due_ns, &parts);
-    end_phase(f, FRAME_COMPOSE, &at_ns);
-
-    /* 8. Solve: all parts are joined in one engagement, or drag the shape one after the other. */
-    composer_move(p->composer, parts.part, parts.count, in->dt_s);
-    end_phase(f, FRAME_SOLVE, &at_ns);
-
-    if (f->performed)
-        f->performed(f->self, f);
+    move_face(f, in->dt_s, &at_ns);
     return MRT_OK;
 }
 

@@ -60,6 +60,7 @@ void layer_reset(layer *self)
     frame_inputs_reset(&self->inputs);
     patch_bay_reset(&self->bay);
     pointer_reset(&self->pointer);
+    palette_reset(&self->palette);
     self->functions->reset(self->mapping->self);
 }
 
@@ -114,6 +115,7 @@ mrt_result layer_create(layer **out, instance *mapping, const mapped_face *mappe
                           .centre = settings->centre,
                           .reach_mm = settings->reach_mm};
     patch_bay_init(&self->bay, &self->guard);
+    palette_init(&self->palette, mapped);
     mrt_result result = MRT_OK;
     self->room = layer_room_create(mapping);
     if (!self->room)
@@ -400,12 +402,19 @@ void layer_shift_time(layer *self, int64_t by_ns)
     hands_shift_time(self->hands, by_ns);
     frame_inputs_shift_time(&self->inputs, by_ns);
     pointer_shift_time(&self->pointer, by_ns);
+    palette_shift_time(&self->palette, by_ns);
     shift(&self->frame.time_ns, by_ns);
     for (int side = 0; side < 2; ++side)
         shift(&self->frame.hand[side].time_ns, by_ns);
 }
 
-enum { STORE_VERSION = 1, STORE_WITH_CUT = 2, STORE_WITH_POINTER = 3, STORE_WITH_INPUTS = 4 };
+enum {
+    STORE_VERSION = 1,
+    STORE_WITH_CUT = 2,
+    STORE_WITH_POINTER = 3,
+    STORE_WITH_INPUTS = 4,
+    STORE_WITH_PALETTE = 5 /* only where a palette was played */
+};
 enum { STORE_OTHER = 2, STORE_HOMING = 2 }; /* the stored words for waiting and fading, beyond 1 */
 
 /* Appends the size of a nested state and reserves space for it. Returns NULL if the buffer is too
@@ -502,7 +511,7 @@ size_t layer_save(layer *self, void *bytes, size_t capacity)
     const mrt_plugin_type *type = self->mapping->type;
     if (!layer_is_answered(self) && (!self->resume || save_mapping(self, NULL, 0) == 0))
         return 0;
-    bytes_write_u32(&out, STORE_WITH_INPUTS);
+    bytes_write_u32(&out, self->palette.is_known ? STORE_WITH_PALETTE : STORE_WITH_INPUTS);
     bytes_write_u32(&out, type->param_count);
     for (uint32_t i = 0; i < type->param_count; ++i) {
         bytes_write_u32(&out, type->params[i].id);
@@ -526,6 +535,8 @@ size_t layer_save(layer *self, void *bytes, size_t capacity)
     WRITE_NESTED(&out, pointer_save, &self->pointer);
     WRITE_NESTED(&out, frame_inputs_save, &self->inputs);
     WRITE_NESTED(&out, patch_bay_save, &self->bay);
+    if (self->palette.is_known)
+        WRITE_NESTED(&out, palette_save, &self->palette);
     WRITE_NESTED(&out, hands_save, self->hands);
     WRITE_NESTED(&out, save_mapping, self);
     return out.size;
@@ -614,7 +625,7 @@ static mrt_result load(layer *self, bytes_in *in, error *err)
         return error_set(err, MRT_ERR_UNSUPPORTED, "mapping %s cannot be resumed",
                          self->mapping->type->id);
     uint32_t version = bytes_read_u32(in);
-    in->failed |= version < STORE_VERSION || version > STORE_WITH_INPUTS;
+    in->failed |= version < STORE_VERSION || version > STORE_WITH_PALETTE;
     read_params(in, self);
     self->has_time = bytes_read_u32(in) != 0;
     bytes_read(in, &self->frame.time_ns, sizeof self->frame.time_ns);
@@ -630,7 +641,12 @@ static mrt_result load(layer *self, bytes_in *in, error *err)
     else if (self->bay.plan)
         in->failed = true; /* the state is from a version without patches */
     size_t size = 0;
-    const unsigned char *bytes = read_sized(in, &size);
+    const unsigned char *bytes;
+    if (version >= STORE_WITH_PALETTE && !in->failed) {
+        bytes = read_sized(in, &size);
+        in->failed |= !bytes || !palette_load(&self->palette, &self->guard, bytes, size);
+    }
+    bytes = read_sized(in, &size);
     in->failed |= !bytes || !hands_load(self->hands, bytes, size);
     bytes = read_sized(in, &size);
     if (in->failed || in->at != in->end)

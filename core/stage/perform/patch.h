@@ -23,7 +23,8 @@ typedef enum patch_kind {
     PATCH_PARAM,   /* of the mapping, by its key in --map: "smile", "placement.up" */
     PATCH_DOF,     /* degree of freedom of a bone: "jaw.open" */
     PATCH_CONTACT, /* "mouth.corner.l", along `way` */
-    PATCH_POSE,    /* of the rig, by name: moves all its contacts and degrees of freedom */
+    PATCH_POSE,    /* of the rig, by name: moves all its contacts and degrees of freedom. Or else
+                      made by the shapes of the head */
     PATCH_ACTION,  /* of the transport: patch_action_names */
     PATCH_SHAPE,   /* shape of the head with that name, else pose of the rig: "mouthSmileLeft" */
     PATCH_KINDS

@@ -222,8 +222,11 @@ static void plan_connection(patch_plan *self, uint32_t i, const mrt_face *about,
         plan_dof(self, i, about);
     else if (kind == PATCH_CONTACT)
         plan_contact(self, i, about);
-    else if (kind == PATCH_POSE || (kind == PATCH_SHAPE && !plan_shape(self, i, about, own)))
-        plan_pose(self, i, about, r);
+    else if (kind == PATCH_POSE || kind == PATCH_SHAPE) {
+        const bool has_pose = find_pose(r, self->of.connection[i].target, PATCH_POSE) != NULL;
+        if ((kind == PATCH_POSE && has_pose) || !plan_shape(self, i, about, own))
+            plan_pose(self, i, about, r);
+    }
 }
 
 mrt_result patch_plan_create(patch_plan **out, const patch *p, const mrt_face *about, const rig *r,

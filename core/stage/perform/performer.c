@@ -96,7 +96,7 @@ static const mrt_pull *smoothed(performer_voice *v, const mrt_pull *pull, int64_
 }
 
 /* The layers of a lane, bottom first. */
-enum { LANE_MAPPING = 0, LANE_INSTEAD, LANE_ADDED, LANE_POINTER, LANE_LAYERS };
+enum { LANE_MAPPING = 0, LANE_INSTEAD, LANE_ADDED, LANE_POINTER, LANE_PALETTE, LANE_LAYERS };
 
 /* Returns a part of the pointer. It is above the mapping and adds to it. */
 static composer_part pointer_part(const composer_part *as, uint32_t bank, const mrt_pull *pull)
@@ -150,8 +150,22 @@ static uint32_t pointer_parts(const layer *of, const composer_part *as, composer
     return part_count;
 }
 
-/* Lists the parts of a voice: the pulls of its mapping (current and fading out), its patch and its
- * pointer. The pointer has separate parts for contacts and for other points of the skin. */
+/* The poses of the palette add to everything below. */
+static uint32_t palette_parts(const layer *of, const composer_part *as, composer_part *out)
+{
+    if (of->palette.pull.mode == MRT_IDLE)
+        return 0;
+    *out = *as;
+    out->slot += PERFORMER_VOICES_MAX * 8;
+    out->layer += LANE_PALETTE;
+    out->is_additive = true;
+    out->pull = &of->palette.pull;
+    return 1;
+}
+
+/* Lists the parts of a voice: the pulls of its mapping (current and fading out), its patch, its
+ * pointer and its palette. The pointer has separate parts for contacts and for other points of the
+ * skin. */
 static uint32_t parts_of(performer *self, uint32_t index, bool is_fresh, int64_t now_ns,
                          composer_part out[PERFORMER_PARTS_MAX])
 {
@@ -178,7 +192,8 @@ static uint32_t parts_of(performer *self, uint32_t index, bool is_fresh, int64_t
     out[part_count].slot += PERFORMER_VOICES_MAX * v->layer->crossfade.side;
     out[part_count++].weight *= weight;
     part_count += patch_parts(v->layer, &whole, out + part_count);
-    return part_count + pointer_parts(v->layer, &whole, out + part_count);
+    part_count += pointer_parts(v->layer, &whole, out + part_count);
+    return part_count + palette_parts(v->layer, &whole, out + part_count);
 }
 
 static bool is_below(const performer_voice *a, const performer_voice *b)
@@ -206,6 +221,13 @@ void performer_compose(performer *self, uint32_t fresh, int64_t now_ns, performe
 {
     uint32_t seen[PERFORMER_VOICES_MAX];
     uint32_t voice_count = list_voices(self, seen);
+    bool has_vectors = false; /* of a mapping, which then derives or drives the other bones */
+    for (uint32_t i = 0; i < voice_count; ++i) {
+        const mrt_pull *pull = layer_pull(self->voice[seen[i]].layer);
+        has_vectors |= pull->mode != MRT_IDLE && pull->count > 0;
+    }
+    for (uint32_t i = 0; i < voice_count; ++i)
+        palette_hold_rest(&self->voice[seen[i]].layer->palette, !has_vectors);
     out->count = 0;
     for (uint32_t i = 0; i < voice_count; ++i)
         out->count += parts_of(self, seen[i], seen[i] == fresh, now_ns, out->part + out->count);

@@ -22,6 +22,7 @@ typedef struct lane_bins {
 
 struct activity {
     replay_world world;
+    take_part part;
     int64_t performance, from_ns, to_ns; /* show time: span of the recording when it was opened */
     replay *replay;   /* NULL: all recorded samples are processed, or it cannot be opened */
     bool has_failed;  /* the replay cannot be opened */
@@ -194,6 +195,7 @@ static void measure(const activity *self, float out[ACTIVITY_LANES])
     add_pull(self, &s, layer_pull(of), dt_s);
     add_pull(self, &s, &finger->pull, dt_s);
     add_pull(self, &s, &finger->places, finger->is_fresh ? dt_s : 0.0);
+    add_pull(self, &s, &of->palette.pull, dt_s);
     for (uint32_t i = 0; i < ACTIVITY_LANES; ++i)
         out[i] = s.count[i] > 0 ? (float)sqrt(s.square[i] / s.count[i]) : 0.0f;
 }
@@ -209,11 +211,11 @@ static mrt_result open_replay(activity *self, error *err)
     self->from_ns = of.from_ns;
     self->to_ns = of.to_ns;
     show_performance_finish(&of);
-    return replay_open(&self->replay, &self->world, self->performance, err);
+    return replay_open(&self->replay, &self->world, self->performance, self->part, err);
 }
 
 mrt_result activity_create(activity **out, const replay_world *world, int64_t performance,
-                           error *err)
+                           take_part part, error *err)
 {
     *out = NULL;
     activity *self = calloc(1, sizeof *self);
@@ -221,6 +223,7 @@ mrt_result activity_create(activity **out, const replay_world *world, int64_t pe
         return error_set(err, MRT_ERR_MEMORY, "no memory for the activity lanes of a take");
     self->world = *world;
     self->performance = performance;
+    self->part = part;
     self->known_ns = -1;
     self->bin_ns = first_bin_ns;
     self->lane = calloc(ACTIVITY_LANES, sizeof *self->lane);

@@ -9,10 +9,11 @@
 
 typedef struct activity activity;
 
-/* Measures the control vectors and degrees of freedom of a performance, for each region of the face
- * (own.h) and for all of it. world: as for replay_open; must outlive the activity. */
+/* Measures the control vectors and degrees of freedom of a performance or a part of it, for each
+ * region of the face (own.h) and for all of it. world: as for replay_open; must outlive the
+ * activity. */
 CHECKED mrt_result activity_create(activity **out, const replay_world *world, int64_t performance,
-                                   error *err);
+                                   take_part part, error *err);
 void activity_destroy(activity *self); /* accepts NULL */
 /* Performs up to samples_max further samples. MRT_OK: more samples are left. MRT_END: it has
  * processed every recorded sample. */

@@ -31,6 +31,7 @@ typedef struct track { /* one input of the performance */
 struct replay {
     replay_world world;
     show_performance info;
+    take_part part;
     isolate *isolate; /* NULL: the mapping runs in this process */
     instance mapping;
     layer *layer;
@@ -89,7 +90,7 @@ static mrt_result isolate_foreign(replay *self, const char *library, const mrt_p
 static mrt_result find_mapping(replay *self, const mrt_plugin_type **out_type, error *err)
 {
     plugin_words then = parse_identity(self->info.performance.mapping);
-    if (strcmp(then.id, null_mapping_type.id) == 0) {
+    if (self->part == TAKE_PALETTE || strcmp(then.id, null_mapping_type.id) == 0) {
         *out_type = &null_mapping_type;
         self->is_same_plugin = true;
         return MRT_OK;
@@ -151,6 +152,42 @@ static mrt_result calibrate(replay *self, track *t, const take_track *as, error 
     return MRT_OK;
 }
 
+/* Whether the part has the samples of this track. */
+static bool is_in_part(const replay *self, const take_track *of)
+{
+    const bool is_palette = of->channel_count > 0 && of->channel[0].semantic == PALETTE_SEMANTIC;
+    return self->part == TAKE_WHOLE || (self->part == TAKE_PALETTE) == is_palette;
+}
+
+/* Notes the poses of a palette that this face lacks. */
+static void check_poses(replay *self, const take_track *of)
+{
+    const mapped_face *mapped = composer_mapped(self->world.scratch->composer);
+    const char *first = NULL;
+    uint32_t missing = 0;
+    if (of->channel_count == 0 || of->channel[0].semantic != PALETTE_SEMANTIC)
+        return;
+    for (uint32_t c = 1; c < of->channel_count; ++c) {
+        bool is_there = false;
+        for (uint32_t i = 0; i < mapped->pose_count && !is_there; ++i)
+            is_there = strcmp(mapped->pose[i].name, of->channel[c].name) == 0;
+        first = is_there || first ? first : of->channel[c].name;
+        missing += !is_there;
+    }
+    const size_t used = strlen(self->note);
+    if (missing > 1)
+        (void)snprintf(self->note + used, sizeof self->note - used,
+                       "%sThe face lacks %u poses of the palette, such as \"%s\". They do not move "
+                       "it.",
+                       used ? " " : "", missing, first);
+    else if (missing > 0)
+        (void)snprintf(
+            self->note + used, sizeof self->note - used,
+            "%sThe face lacks the pose \"%s\" of the palette. It does not move the face.",
+            used ? " " : "", first);
+}
+
+/* MRT_END: the part does not have this track. */
 static mrt_result open_track(replay *self, track *t, error *err)
 {
     show_track info;
@@ -158,6 +195,11 @@ static mrt_result open_track(replay *self, track *t, error *err)
     mrt_result result = show_track_read(self->world.show, t->id, &info, err);
     if (result < 0)
         return result;
+    if (!is_in_part(self, &info.track)) {
+        show_track_finish(&info);
+        return MRT_END;
+    }
+    check_poses(self, &info.track);
     for (uint32_t i = 0; i < info.track.channel_count; ++i) {
         const take_channel *c = &info.track.channel[i];
         channel[i] = (mrt_channel){c->name, c->unit, c->semantic, c->hand, c->min, c->max};
@@ -175,18 +217,21 @@ static mrt_result open_track(replay *self, track *t, error *err)
 static mrt_result open_tracks(replay *self, error *err)
 {
     mrt_result result = MRT_OK;
-    self->track_count = self->info.performance.track_count;
-    for (uint32_t i = 0; i < self->track_count && result >= 0; ++i) {
-        self->track[i].id = self->info.performance.track[i];
-        result = open_track(self, &self->track[i], err);
+    const take_performance *p = &self->info.performance;
+    for (uint32_t i = 0; i < p->track_count && result >= 0; ++i) {
+        track *t = &self->track[self->track_count];
+        t->id = p->track[i];
+        result = open_track(self, t, err);
+        self->track_count += result == MRT_OK;
     }
-    return result;
+    return result < 0 ? result : MRT_OK;
 }
 
 static bool is_of_track(const replay *self, const take_event *e)
 {
-    for (uint32_t i = 0; i < self->track_count; ++i)
-        if (self->track[i].id == e->track)
+    const take_performance *p = &self->info.performance;
+    for (uint32_t i = 0; i < p->track_count; ++i)
+        if (p->track[i] == e->track)
             return true;
     return false;
 }
@@ -267,11 +312,11 @@ void replay_schedule(replay *self, scheduler *into, const sample_source *as)
 /* Parts of a stored state: the taught values of the mapping, and the rest. */
 typedef struct kept_parts {
     int64_t show_offset_ns;
-    const unsigned char *taught, *state;
-    size_t taught_size, state_size;
+    const unsigned char *taught, *palette, *state;
+    size_t taught_size, palette_size, state_size;
 } kept_parts;
 
-enum { WITHOUT_TAUGHT = 2 }; /* last version without taught values */
+enum { WITHOUT_TAUGHT = 2, WITHOUT_PALETTE = 3 }; /* last versions without these parts */
 
 static bool parse_checkpoint(kept_parts *out, const show_checkpoint *kept)
 {
@@ -285,7 +330,13 @@ static bool parse_checkpoint(kept_parts *out, const show_checkpoint *kept)
     if (in.failed || out->taught_size > (size_t)(in.end - in.at))
         return false;
     out->taught = in.at;
-    out->state = in.at + out->taught_size;
+    in.at += out->taught_size;
+    if (kept->version > WITHOUT_PALETTE)
+        out->palette_size = bytes_read_u32(&in);
+    if (in.failed || out->palette_size > (size_t)(in.end - in.at))
+        return false;
+    out->palette = in.at;
+    out->state = in.at + out->palette_size;
     out->state_size = (size_t)(in.end - out->state);
     return true;
 }
@@ -346,13 +397,15 @@ static mrt_result set_patch(replay *self, error *err)
     return result;
 }
 
-mrt_result replay_open(replay **out, const replay_world *world, int64_t performance, error *err)
+mrt_result replay_open(replay **out, const replay_world *world, int64_t performance, take_part part,
+                       error *err)
 {
     *out = NULL;
     replay *self = calloc(1, sizeof *self);
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory for a performance");
     self->world = *world;
+    self->part = part;
     self->now_ns = INT64_MIN;
     const mrt_plugin_type *type = NULL;
     mrt_result result = show_performance_read(world->show, performance, &self->info, err);
@@ -384,7 +437,7 @@ mrt_result replay_open(replay **out, const replay_world *world, int64_t performa
     const composer *shown = world->scratch->composer;
     settings.reach_mm = composer_reach_mm(shown, &settings.centre);
     result = layer_create(&self->layer, &self->mapping, composer_mapped(shown), &settings, err);
-    if (result >= 0)
+    if (result >= 0 && part != TAKE_PALETTE)
         result = set_patch(self, err);
     if (result >= 0)
         result = read_events(self, err);
@@ -428,9 +481,9 @@ void replay_close(replay *self)
     free(self);
 }
 
-int64_t replay_performance(const replay *self)
+bool replay_is_of(const replay *self, const take_clip *clip)
 {
-    return self->info.performance.id;
+    return self->info.performance.id == clip->performance && self->part == clip->part;
 }
 
 layer *replay_layer(replay *self)
@@ -552,8 +605,23 @@ static mrt_result rewind_all(replay *self, error *err)
 /* Restores a state that replay_write_state wrote. */
 static mrt_result resume(replay *self, const kept_parts *kept, performer *into, error *err)
 {
+    layer *of = self->layer;
     perform_alone(self, into);
+    if (self->part == TAKE_PALETTE) {
+        layer_reset(of);
+        composer_reset(into->composer);
+        if (kept->palette_size > 0 &&
+            !palette_load(&of->palette, &of->guard, kept->palette, kept->palette_size))
+            return error_set(err, MRT_ERR_FORMAT, "the stored palette is of other poses");
+        palette_shift_time(&of->palette, kept->show_offset_ns);
+        frame_recompose(into, 0);
+        return MRT_OK;
+    }
     mrt_result result = performer_load(into, kept->state, kept->state_size, err);
+    if (result >= 0 && self->part == TAKE_WITHOUT_PALETTE && of->palette.is_known) {
+        palette_reset(&of->palette);
+        frame_recompose(into, 0);
+    }
     if (result >= 0)
         layer_shift_time(self->layer, kept->show_offset_ns);
     return result;
@@ -739,7 +807,10 @@ size_t replay_write_state(const instance *mapping, performer *of, int64_t show_o
                           void *bytes, size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
-    size_t taught = taught_save(mapping, NULL, 0), size = of ? performer_save(of, NULL, 0) : 0;
+    const palette *played = of ? &of->voice[0].layer->palette : NULL;
+    const size_t taught = taught_save(mapping, NULL, 0),
+                 size = of ? performer_save(of, NULL, 0) : 0,
+                 poses = played && played->is_known ? palette_save(played, NULL, 0) : 0;
     if (size == 0 && taught == 0)
         return 0;
     bytes_write(&out, &show_offset_ns, sizeof show_offset_ns);
@@ -747,6 +818,10 @@ size_t replay_write_state(const instance *mapping, performer *of, int64_t show_o
     if (out.data && taught > 0 && taught <= out.capacity - out.size)
         (void)taught_save(mapping, out.data + out.size, taught);
     out.size += taught;
+    bytes_write_u32(&out, (uint32_t)poses);
+    if (out.data && poses > 0 && out.size <= out.capacity && poses <= out.capacity - out.size)
+        (void)palette_save(played, out.data + out.size, poses);
+    out.size += poses;
     if (out.data && size > 0 && out.size <= out.capacity && size <= out.capacity - out.size)
         performer_save(of, out.data + out.size, size);
     return out.size + size;

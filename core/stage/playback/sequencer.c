@@ -104,15 +104,16 @@ static replay *take_spare(sequencer *self, uint32_t index)
 /* Returns a spare replay of the performance or opens a new one. The caller must then seek or load
  * it. The cost of opening (hash of a file, start of a process) is paid once for all clips of a
  * performance. MRT_HOLD: no replay was prepared. */
-static mrt_result open_replay(sequencer *self, int64_t performance, replay **out, error *err)
+static mrt_result open_replay(sequencer *self, const take_clip *clip, replay **out, error *err)
 {
     for (uint32_t i = 0; i < self->spare_count; ++i)
-        if (replay_performance(self->spare[i]) == performance) {
+        if (replay_is_of(self->spare[i], clip)) {
             *out = take_spare(self, i);
             return MRT_OK;
         }
     *out = NULL;
-    return self->is_prepared ? MRT_HOLD : replay_open(out, &self->world, performance, err);
+    return self->is_prepared ? MRT_HOLD
+                             : replay_open(out, &self->world, clip->performance, clip->part, err);
 }
 
 static void keep_spare(sequencer *self, replay *r)
@@ -258,7 +259,7 @@ static play *find_predecessor(sequencer *self, uint32_t lane, const take_clip *c
 {
     for (uint32_t slot = 0; slot < PLAYS_MAX; ++slot) {
         play *p = &self->play[slot];
-        if (!p->replay || p->lane != lane || p->clip->performance != clip->performance ||
+        if (!p->replay || p->lane != lane || !replay_is_of(p->replay, clip) ||
             p->clip->end_ns != clip->start_ns)
             continue;
         int64_t end_ns = show_time_ns(p->clip, take_warp_to_source(p->clip, p->clip->end_ns));
@@ -309,7 +310,7 @@ static mrt_result start_play(sequencer *self, uint32_t lane, const take_clip *cl
         return MRT_OK;
     }
     *p = (play){.of = self, .clip = clip, .lane = lane, .is_wanted = true};
-    mrt_result result = open_replay(self, clip->performance, &p->replay, err);
+    mrt_result result = open_replay(self, clip, &p->replay, err);
     if (result == MRT_HOLD) {
         *p = (play){0};
         add_note(self, unprepared);
@@ -358,6 +359,9 @@ static mrt_result cross_boundary(sequencer *self, int64_t at_ns, bool *out_chang
         } else if (p->replay && fresh_count > 0 && self->now_ns != BEFORE_ALL) {
             *out_changed |= layer_pull(replay_layer(p->replay))->mode != MRT_IDLE;
         }
+        /* A pose that is held has no samples, so it shows at once. */
+        if (p->replay && (fresh_count > 0 || self->now_ns == BEFORE_ALL))
+            *out_changed |= replay_layer(p->replay)->palette.pull.mode != MRT_IDLE;
     }
     schedule_plays(self);
     return result;
@@ -449,7 +453,7 @@ static mrt_result take_play(sequencer *self, bytes_in *in, error *err)
     size_t size = bytes_read_u32(in);
     if (in->failed || size > (size_t)(in->end - in->at))
         return error_set(err, MRT_ERR_FORMAT, "a checkpoint of the take is damaged");
-    mrt_result result = open_replay(self, clip->performance, &p->replay, err);
+    mrt_result result = open_replay(self, clip, &p->replay, err);
     if (result == MRT_HOLD)
         return error_set(err, MRT_ERR_UNSUPPORTED, "%s", unprepared);
     if (result >= 0)
@@ -789,16 +793,16 @@ static bool is_shown(const sequencer *self, uint32_t lane, const take_clip *c, i
            c->start_ns + offset_ns < to_ns && c->end_ns + offset_ns > from_ns;
 }
 
-/* Counts the clips of a performance that play at at_ns (including their ends) and are shown in
- * from_ns..to_ns. */
-static uint32_t count_playing(const sequencer *self, int64_t performance, int64_t at_ns,
+/* Counts the clips of the same performance that play at at_ns (including their ends) and are shown
+ * in from_ns..to_ns. */
+static uint32_t count_playing(const sequencer *self, const take_clip *of, int64_t at_ns,
                               int64_t from_ns, int64_t to_ns)
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < self->take.layer_count; ++i) {
         const take_layer *l = &self->take.layer[i];
         for (uint32_t j = 0; j < l->clip_count; ++j)
-            count += l->clip[j].performance == performance &&
+            count += l->clip[j].performance == of->performance && l->clip[j].part == of->part &&
                      is_shown(self, i, &l->clip[j], from_ns, to_ns) &&
                      l->clip[j].start_ns + l->offset_ns <= at_ns &&
                      l->clip[j].end_ns + l->offset_ns >= at_ns;
@@ -813,8 +817,8 @@ static void close_what_is_not_shown(sequencer *self, int64_t from_ns, int64_t to
         for (uint32_t i = 0; i < self->take.layer_count; ++i)
             for (uint32_t j = 0; j < self->take.layer[i].clip_count; ++j) {
                 const take_clip *c = &self->take.layer[i].clip[j];
-                is_needed |= c->performance == replay_performance(self->spare[k]) &&
-                             is_shown(self, i, c, from_ns, to_ns);
+                is_needed |=
+                    replay_is_of(self->spare[k], c) && is_shown(self, i, c, from_ns, to_ns);
             }
         if (!is_needed)
             replay_close(take_spare(self, k));
@@ -830,19 +834,18 @@ static mrt_result prepare_clip(sequencer *self, uint32_t lane, const take_clip *
     int64_t offset_ns = self->take.layer[lane].offset_ns;
     int64_t first_ns = from_ns - offset_ns > clip->start_ns ? from_ns - offset_ns : clip->start_ns;
     int64_t last_ns = to_ns - offset_ns < clip->end_ns ? to_ns - offset_ns : clip->end_ns;
-    uint32_t missing =
-        count_playing(self, clip->performance, clip->start_ns + offset_ns, from_ns, to_ns);
+    uint32_t missing = count_playing(self, clip, clip->start_ns + offset_ns, from_ns, to_ns);
     uint32_t open_count = list_open(self, open);
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; i < open_count && missing > 0; ++i)
-        missing -= replay_performance(open[i]) == clip->performance;
+        missing -= replay_is_of(open[i], clip);
     for (; missing > 0 && result >= 0 && open_count < OPEN_MAX; --missing) {
-        result = replay_open(&open[open_count], &self->world, clip->performance, err);
+        result = replay_open(&open[open_count], &self->world, clip->performance, clip->part, err);
         if (result >= 0)
             self->spare[self->spare_count++] = open[open_count++];
     }
     for (uint32_t i = 0; i < open_count && result >= 0; ++i)
-        if (replay_performance(open[i]) == clip->performance)
+        if (replay_is_of(open[i], clip))
             result = replay_read_ahead(
                 open[i], show_time_ns(clip, take_warp_to_source(clip, first_ns)),
                 show_time_ns(clip, take_warp_to_source(clip, last_ns)) + NS_PER_S, err);

@@ -9,7 +9,7 @@
 #include <string.h>
 
 /* of one pass: add a layer, add its clip, fade the clip, mute the layer */
-enum { EDITS_OF_PASS = 4 };
+enum { EDITS_OF_PASS = 9 };
 
 /* ---- plan ---- */
 
@@ -192,8 +192,9 @@ static double weight_of(const overdub_run *self)
     return weight < 0.0 ? 0.0 : weight;
 }
 
-static void note_step(overdub_run *self, const recorder *into, int64_t clock_ns)
+static void note_step(overdub_run *self, const recorder *into, const sample_step *s)
 {
+    const int64_t clock_ns = s->time_ns;
     int64_t show_ns = recorder_show_ns(into, clock_ns);
     if (self->performance_from_ns == 0)
         self->performance_from_ns = show_ns;
@@ -209,6 +210,12 @@ static void note_step(overdub_run *self, const recorder *into, int64_t clock_ns)
     p->last_ns = show_ns;
     p->end_ns = self->at_ns;
     p->sample_count += 1;
+    for (uint32_t i = 0; i < s->count; ++i) {
+        const channel_route *route = s->of[i].route;
+        p->has_poses |= palette_is_route(route);
+        p->has_others |=
+            route->table.count > 0 && route->table.channel[0].semantic < (uint32_t)POINTER_SEMANTIC;
+    }
 }
 
 mrt_result overdub_run_play_to(overdub_run *self, sequencer *of, recorder *into, int64_t clock_ns,
@@ -229,7 +236,7 @@ mrt_result overdub_run_step(overdub_run *self, sequencer *of, recorder *into, st
     mrt_result result = overdub_run_play_to(self, of, into, f->step.time_ns, err);
     if (self->state == OVERDUB_OVER)
         return result < 0 ? result : MRT_END;
-    note_step(self, into, f->step.time_ns);
+    note_step(self, into, &f->step);
     sequencer_perform_over(of, f, weight_of(self));
     return result;
 }
@@ -313,12 +320,25 @@ static int64_t fade_that_fits(const overdub_run *self, int64_t length_ns)
     return self->plan.fade_ns < length_ns / 2 ? self->plan.fade_ns : length_ns / 2;
 }
 
+/* A layer of a palette stays one. */
+static take_part part_of_layer(const making *self, uint32_t id)
+{
+    take_part part = TAKE_WHOLE;
+    for (uint32_t i = 0; i < self->after.layer_count; ++i) {
+        const take_layer *l = &self->after.layer[i];
+        if (l->id == id && l->clip_count > 0 && l->clip[0].part == TAKE_PALETTE)
+            part = TAKE_PALETTE;
+    }
+    return part;
+}
+
 static mrt_result punch(making *self, const overdub_pass *p, error *err)
 {
     edit e;
     edit_init(&e, EDIT_PUNCH);
     mrt_result result = frame_clip(self->run, p, &e, err);
     e.layer = self->run->plan.into_layer;
+    e.part = (uint32_t)part_of_layer(self, e.layer);
     e.fade_ns = fade_that_fits(self->run, e.out_ns - e.in_ns);
     return result < 0 ? result : add(self, &e, err);
 }
@@ -349,10 +369,10 @@ static mrt_result copy_own(edit *e, const overdub_plan *plan, error *err)
     return MRT_OK;
 }
 
-static mrt_result add_layer(making *self, uint32_t number, uint32_t *out_id, error *err)
+static mrt_result add_layer(making *self, const char *name, uint32_t number, uint32_t *out_id,
+                            error *err)
 {
     const overdub_plan *plan = &self->run->plan;
-    const char *name = plan->name[0] ? plan->name : self->name;
     edit e;
     edit_init(&e, EDIT_LAYER_ADD);
     snprintf(e.name, sizeof e.name, "%.50s", name);
@@ -384,26 +404,52 @@ static mrt_result fade_clip(making *self, int64_t length_ns, error *err)
     return add(self, &fade, err);
 }
 
-static mrt_result add_clip(making *self, const overdub_pass *p, uint32_t id, error *err)
+static mrt_result add_clip(making *self, const overdub_pass *p, uint32_t id, take_part part,
+                           error *err)
 {
     edit e;
     edit_init(&e, EDIT_CLIP_ADD);
     mrt_result result = frame_clip(self->run, p, &e, err);
     e.layer = id;
+    e.part = (uint32_t)part;
     int64_t length_ns = e.end_ns - e.start_ns;
     if (result >= 0)
         result = add(self, &e, err);
     return result < 0 ? result : fade_clip(self, length_ns, err);
 }
 
+static mrt_result add_part(making *self, const overdub_pass *p, const char *name, take_part part,
+                           bool is_heard, uint32_t *out_id, error *err)
+{
+    const uint32_t number = (uint32_t)(p - self->run->pass) + 1;
+    mrt_result result = add_layer(self, name, number, out_id, err);
+    if (result >= 0)
+        result = add_clip(self, p, *out_id, part, err);
+    edit e;
+    edit_init(&e, EDIT_LAYER_ADDITIVE);
+    e.layer = *out_id;
+    e.is_additive = true;
+    if (result >= 0 && part == TAKE_PALETTE)
+        result = add(self, &e, err);
+    return result >= 0 && !is_heard ? mute(self, *out_id, err) : result;
+}
+
+/* Poses that were played become a layer of their own, above the rest of the pass. */
 static mrt_result add_pass(making *self, const overdub_pass *p, bool is_heard, uint32_t *out_id,
                            error *err)
 {
-    uint32_t number = (uint32_t)(p - self->run->pass) + 1;
-    mrt_result result = add_layer(self, number, out_id, err);
-    if (result >= 0)
-        result = add_clip(self, p, *out_id, err);
-    return result >= 0 && !is_heard ? mute(self, *out_id, err) : result;
+    const overdub_plan *plan = &self->run->plan;
+    const char *name = plan->name[0] ? plan->name : self->name;
+    mrt_result result = MRT_OK;
+    if (p->has_others || !p->has_poses)
+        result = add_part(self, p, name, p->has_poses ? TAKE_WITHOUT_PALETTE : TAKE_WHOLE, is_heard,
+                          out_id, err);
+    uint32_t poses = 0;
+    if (p->has_poses && result >= 0)
+        result = add_part(self, p, p->has_others || !plan->name[0] ? TAKE_PALETTE_LAYER : name,
+                          TAKE_PALETTE, is_heard, &poses, err);
+    *out_id = p->has_others || !p->has_poses ? *out_id : poses;
+    return result;
 }
 
 static mrt_result make(making *self, overdub_made *out, error *err)

@@ -77,6 +77,7 @@ typedef enum action {
     ACTION_PANEL_OUTPUT,  /* Shift+F2 */
     ACTION_PANEL_SCENE,   /* Shift+F4 */
     ACTION_PANEL_HAND,    /* Shift+F5 */
+    ACTION_PANEL_POSES,   /* Shift+F6 */
     ACTION_TIMELINE,      /* F7: shown or not */
     ACTION_TIMELINE_FIT,  /* Shift+Z */
     ACTION_OPEN,          /* Ctrl+O: a show or a face */

@@ -171,7 +171,7 @@ typedef struct app_patch_aim {
 } app_patch_aim;
 app_patch_aim *app_patch_aimed(app *self);
 
-/* ---- remote control, expressions, time code ---- */
+/* ---- remote control, poses that are played, time code ---- */
 
 enum { APP_REMOTE_ADDRESS = 160 };
 typedef struct app_remote_status {
@@ -185,8 +185,8 @@ typedef struct app_remote_status {
 app_remote_status app_remote_now(const app *self); /* texts until the next frame */
 /* "[HOST:]PORT", "": off. Kept where it is of this computer alone. */
 void app_set_remote(app *self, const char *address);
-void app_renew_remote_code(app *self);          /* those who have the old one are out */
-struct expressions *app_expressions(app *self); /* expressions.h */
+void app_renew_remote_code(app *self);     /* those who have the old one are out */
+struct pose_palette *app_poses(app *self); /* pose_palette.h */
 
 /* The current external time code; false: none is running. */
 bool app_outside_code(const app *self, timecode_rate *out_rate, int64_t *out_frame);
@@ -317,6 +317,7 @@ typedef enum app_panel {
     APP_OUTPUT,
     APP_SCENE,
     APP_HAND,
+    APP_POSES,
     APP_PANELS
 } app_panel;
 typedef struct app_looks { /* how it is shown; kept between runs */

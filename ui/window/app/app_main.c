@@ -117,9 +117,7 @@ static void update_patch(app *self)
     run_pressed_actions(self);
     if (!self->patching.waits || self->status.is_recording)
         return;
-    patch whole = self->patching.patch;
-    expressions_connect(self->expressions, &whole);
-    mrt_result result = live_set_patch(self->live, &whole, &err);
+    mrt_result result = live_set_patch(self->live, &self->patching.patch, &err);
     if (result == MRT_HOLD)
         return;
     self->patching.waits = false;
@@ -291,11 +289,11 @@ static mrt_result make_parts(app *self, const app_options *options, error *err)
     self->log = log_queue_create();
     self->news = news_list_create();
     self->exports = exporter_create();
-    self->expressions = expressions_create(self);
+    self->poses = pose_palette_create(self, self->settings);
     self->remote = remote_create(self);
     self->scenery = kept_scenery_create(self);
     self->inputs = self->log ? input_opener_create(&self->plugins, self->log) : NULL;
-    if (!self->log || !self->news || !self->exports || !self->inputs || !self->expressions ||
+    if (!self->log || !self->news || !self->exports || !self->inputs || !self->poses ||
         !self->remote || !self->scenery)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
     if (note[0])
@@ -370,7 +368,7 @@ mrt_result app_destroy(app *self)
     app_forget_pulls(self);
     kept_scenery_destroy(self->scenery);
     mrt_result result = end_live(self);
-    expressions_destroy(self->expressions);
+    pose_palette_destroy(self->poses);
     if (app_close_show(self, self->show) < 0)
         result = MRT_ERR_IO;
     face_file_destroy(self->face);
@@ -477,9 +475,9 @@ void app_update(app *self, double dt_s)
     live_status_of(self->live, &self->status);
     follow_sound(self);
     app_record_update(self);
-    self->patching.waits |= expressions_update(self->expressions, dt_s);
     update_patch(self);
     remote_update(self->remote, dt_s);
+    pose_palette_update(self->poses);
     report_exports(self);
     app_undo_update(self);
     kept_scenery_update(self->scenery);
@@ -585,9 +583,9 @@ app_choice *app_chosen(app *self)
     return &self->takes.choice;
 }
 
-struct expressions *app_expressions(app *self)
+struct pose_palette *app_poses(app *self)
 {
-    return self->expressions;
+    return self->poses;
 }
 
 void app_ask(app *self, app_call of)
@@ -854,7 +852,7 @@ static void do_performance(app *self, action of)
         app_mark(self);
         break;
     case ACTION_NEUTRAL:
-        expressions_release(self->expressions, NEUTRAL_FADE_S);
+        pose_palette_release_all(self->poses, NEUTRAL_FADE_S);
         clear_pulls(self);
         break;
     case ACTION_REZERO:

@@ -5,7 +5,7 @@
 #define MAROTTE_UI_WINDOW_APP_APP_SHARED_H
 #include "window/app/app.h"
 #include "window/app/exporter.h"
-#include "window/app/expressions.h"
+#include "window/app/pose_palette.h"
 #include "window/app/kept_scenery.h"
 #include "window/app/presets.h"
 #include "window/app/remote.h"
@@ -133,7 +133,7 @@ struct app {
     app_picture picture;
     char picture_says[256]; /* the last message of window and streams */
     uint32_t stream_count;
-    expressions *expressions;
+    pose_palette *poses;
     remote *remote;
     struct viewport *viewport;
     app_looks looks;

@@ -2,7 +2,7 @@
  * has shown their effect. */
 #include "window/app/remote.h"
 #include "window/app/app.h"
-#include "window/app/expressions.h"
+#include "window/app/pose_palette.h"
 #include "window/app/presets.h"
 #include "window/app/remote_wire.h"
 
@@ -198,11 +198,11 @@ static void do_expression(remote *self, answer *a)
     error err = {""};
     const remote_command *c = &a->command;
     if (!c->name[0]) {
-        expressions_release(app_expressions(self->of), c->fade_s);
-        (void)snprintf(a->says, sizeof a->says, "all expressions fade out");
+        pose_palette_release_all(app_poses(self->of), c->fade_s);
+        (void)snprintf(a->says, sizeof a->says, "all poses fade out");
         return;
     }
-    if (expressions_set(app_expressions(self->of), c->name, c->amount, c->fade_s, &err) < 0)
+    if (pose_palette_set(app_poses(self->of), c->name, c->amount, c->fade_s, &err) < 0)
         refuse(a, err.text);
     else
         (void)snprintf(a->says, sizeof a->says, "%s to %g in %g s", c->name, c->amount, c->fade_s);
@@ -295,12 +295,12 @@ static const news_item *newest_word(const remote *self, uint64_t since)
 
 static json_t *json_of_status(const remote *self, json_t *out)
 {
-    const expressions *of = app_expressions(self->of);
+    const pose_palette *of = app_poses(self->of);
     const instance *mapping = live_mapping(app_live(self->of));
     json_t *poses = json_array(), *names = json_array();
     char **preset = NULL;
-    for (uint32_t i = 0; i < expressions_count(of); ++i)
-        (void)json_array_append_new(poses, json_text(expressions_name(of, i)));
+    for (uint32_t i = 0; i < pose_palette_count(of); ++i)
+        (void)json_array_append_new(poses, json_text(pose_palette_name(of, i)));
     const uint32_t count =
         mapping ? presets_list(app_settings(self->of), mapping->type, &preset) : 0;
     for (uint32_t i = 0; i < count; ++i)
@@ -705,7 +705,7 @@ mrt_result remote_listen(remote *self, const char *address, error *err)
     self->trouble[0] = self->last[0] = '\0';
     self->wait_s = self->quiet_s = 0.0;
     if (address[0])
-        expressions_want(app_expressions(self->of));
+        pose_palette_want(app_poses(self->of));
     return MRT_OK;
 }
 

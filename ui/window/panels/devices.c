@@ -1006,12 +1006,21 @@ static void follow_inputs(panel *self)
     self->input_count = count;
 }
 
+/* The palette is in the panel Poses, which keeps it. */
+static bool is_palette(live *stage, uint32_t index)
+{
+    return strcmp(input_plugin(live_input(stage, index))->id, PALETTE_ID) == 0;
+}
+
 static void draw_inputs(panel *self, ui *on)
 {
     live *stage = app_live(self->app);
-    uint32_t removed = UINT32_MAX;
+    uint32_t removed = UINT32_MAX, drawn = 0;
     char id[32];
     for (uint32_t i = 0; i < live_input_count(stage); ++i) {
+        if (is_palette(stage, i))
+            continue;
+        drawn += 1;
         (void)snprintf(id, sizeof id, "input %u", i);
         ui_id_begin(on, id);
         if (!devices_card_draw(self, on, i))
@@ -1031,7 +1040,7 @@ static void draw_inputs(panel *self, ui *on)
         ui_rule(on);
         ui_space(on, 2.0f);
     }
-    if (live_input_count(stage) == 0 && self->opening_count == 0) {
+    if (drawn == 0 && self->opening_count == 0) {
         ui_text_wrapped(on, UI_STYLE_DIM,
                         "No input is open. Drag the face with the mouse, or open an input below.");
         ui_space(on, 4.0f);

@@ -553,7 +553,7 @@ static void draw_goal(panel *self, ui *on, const goal_step *step, double closed,
     if (!position) /* the shape is being computed */
         ui_want_frame(on, 0.05);
     if (position && view && !ui_is_hidden(on))
-        texture = viewport_portrait(view, position, vertex_count, ground, pixels, pixels);
+        texture = viewport_portrait(view, position, vertex_count, ground, NULL, pixels, pixels);
     if (texture)
         ui_draw_image(on, (ui_rectangle){x - half, y - half, 2.0f * half, 2.0f * half}, texture,
                       viewport_output_drawn(view, VIEWPORT_PORTRAIT),

@@ -531,6 +531,30 @@ static void draw_labels(panel *self, ui *on, instance *mapping, uint32_t index, 
     note_value(self, index, before);
 }
 
+/* Draws the list of the poses of the face, for a parameter that chooses one of them. */
+static void draw_poses(panel *self, ui *on, instance *mapping, uint32_t index, const char *label)
+{
+    enum { ITEMS = 256 };
+    const char *items[ITEMS] = {"None"};
+    const double before = instance_value(mapping, index);
+    uint32_t count, chosen = 0, item_count = 1;
+    const mrt_rig_pose *pose = live_poses(app_live(self->app), &count);
+    for (uint32_t i = 0; i < count && item_count + 1 < ITEMS; ++i) {
+        if (fabs((double)mrt_pose_value(pose[i].name) - before) < 0.5)
+            chosen = item_count;
+        items[item_count++] = pose[i].name;
+    }
+    if (chosen == 0 && before > 0.0) {
+        chosen = item_count;
+        items[item_count++] = "A pose that this face lacks";
+    }
+    const uint32_t was = chosen;
+    if (!ui_choice(on, label, self->label_width, items, item_count, &chosen) || chosen == was)
+        return;
+    instance_set_value(mapping, index, chosen == 0 ? 0.0 : (double)mrt_pose_value(items[chosen]));
+    note_value(self, index, before);
+}
+
 /* Draws a slider. One drag is one undo step. */
 static void draw_slider(panel *self, ui *on, instance *mapping, uint32_t index, const char *label)
 {
@@ -589,6 +613,8 @@ static void mapping_param_draw(panel *self, ui *on, instance *mapping, uint32_t 
             instance_trigger(mapping, index);
             self->lessons_wait_s = LESSON_S;
         }
+    } else if (p->flags & MRT_PARAM_POSE) {
+        draw_poses(self, on, mapping, index, label);
     } else if (p->labels) {
         draw_labels(self, on, mapping, index, label);
     } else {
@@ -775,7 +801,10 @@ static void draw_found(panel *self, ui *on, instance *mapping)
 static void draw_groups(panel *self, ui *on, instance *mapping)
 {
     char title[128];
-    bool is_small = mapping->type->param_count <= 16;
+    uint32_t count = 0; /* without choices of a pose, which few change */
+    for (uint32_t i = 0; i < mapping->type->param_count; ++i)
+        count += !(mapping->type->params[i].flags & MRT_PARAM_POSE);
+    const bool is_small = count <= 16;
     for (uint32_t i = 0; i < self->group_count; ++i) {
         uint32_t changed = changed_in(mapping, self->group[i]);
         if (changed > 0)

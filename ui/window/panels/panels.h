@@ -17,6 +17,6 @@ typedef struct panel_type {
     void (*update)(panel *self, double dt_s);
 } panel_type;
 extern const panel_type panel_devices, panel_mapping, panel_rig, panel_engine, panel_log,
-    panel_patch, panel_output, panel_scene, panel_hand, panel_timeline;
+    panel_patch, panel_output, panel_scene, panel_hand, panel_poses, panel_timeline;
 
 #endif

@@ -4,8 +4,8 @@
 #include "window/panels/panels.h"
 
 #include "base/file.h"
-#include "hand/sensor.h"
 #include "stage/perform/patch_file.h"
+#include "window/app/channel_learn.h"
 #include "window/gui/theme.h"
 #include "window/viewport/viewport.h"
 
@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ITEMS_MAX = 640, ITEM = 112, LIVE_INPUTS = 8 };
+enum { ITEMS_MAX = 640, ITEM = 112 };
 #define NOBODY UINT32_MAX
 #define LABEL  74.0f
 
@@ -30,8 +30,7 @@ struct panel {
     /* learning */
     bool has_source, had_contacts;
     patch_connection source;
-    bool is_known[LIVE_INPUTS];
-    float was[LIVE_INPUTS][MRT_MAX_CHANNELS]; /* value at the start of learning */
+    channel_learner learner;
 
     char item[ITEMS_MAX][ITEM]; /* items of the list that is being drawn */
     const char *items[ITEMS_MAX];
@@ -89,38 +88,9 @@ static void delete_chosen(panel *self)
 
 /* ---- current channel values ---- */
 
-/* Current frame as a mapping receives it. Points into the inputs and into `sample`. */
-typedef struct heard {
-    mrt_frame frame;
-    mrt_channels inputs[LIVE_INPUTS];
-    mrt_sample sample[LIVE_INPUTS];
-} heard;
-
-static void read_channels(const panel *self, heard *out)
-{
-    live *stage = app_live(self->app);
-    const live_view *view = app_view(self->app);
-    *out = (heard){.frame.inputs = out->inputs};
-    uint32_t count = live_input_count(stage);
-    for (uint32_t i = 0; i < count && i < LIVE_INPUTS; ++i) {
-        mrt_channels *in = &out->inputs[out->frame.input_count];
-        mrt_sample *sample = &out->sample[out->frame.input_count];
-        *sample = (mrt_sample){.count = 0};
-        bool is_heard = live_input_sample(stage, i, sample);
-        in->name = input_name(live_input(stage, i));
-        in->channel = input_channels(live_input(stage, i), &in->count);
-        in->value = sample->value;
-        if (!is_heard || in->count != sample->count)
-            in->count = 0; /* the channels are changing */
-        out->frame.input_count += 1;
-    }
-    memcpy(out->frame.hand, view->hand, sizeof out->frame.hand);
-    memcpy(out->frame.pedal, view->pedal, sizeof out->frame.pedal);
-}
-
 /* Computes the position of the channel in its input range, 0..1. Returns false if no input has the
  * channel. */
-static bool share_of(const patch_connection *c, const heard *now, double *out_share)
+static bool share_of(const patch_connection *c, const channels_now *now, double *out_share)
 {
     static const patch_range whole = {-1.0, 1.0, 0.0};
     mrt_channel channel;
@@ -156,63 +126,7 @@ static void begin_learning(panel *self)
     self->had_contacts = looks->shows_contacts;
     looks->shows_contacts = true;
     self->has_source = false;
-    memset(self->is_known, 0, sizeof self->is_known);
-}
-
-/* Writes the first word of the input's name, or the whole name if the word is not unique. */
-static void name_input(const heard *now, uint32_t which, char out[PATCH_NAME])
-{
-    const char *name = now->inputs[which].name;
-    int length = (int)strcspn(name, " ");
-    uint32_t alike = 0;
-    (void)snprintf(out, PATCH_NAME, "%.*s", length, name);
-    for (uint32_t i = 0; i < now->frame.input_count; ++i)
-        alike += patch_is_input(out, now->inputs[i].name);
-    if (alike > 1)
-        (void)snprintf(out, PATCH_NAME, "%.63s", name);
-}
-
-/* Names sensors and pedals as calibrated channels of the performer, and all others as raw channels
- * of their input. */
-static void name_channel(const heard *now, uint32_t which, uint32_t c, patch_connection *out)
-{
-    const mrt_channel *channel = &now->inputs[which].channel[c];
-    uint32_t angle = channel->semantic - MRT_CH_ANGLE, pedal = channel->semantic - MRT_CH_PEDAL;
-    if (channel->semantic >= MRT_CH_ANGLE && angle < MRT_ANGLES && channel->hand <= MRT_RIGHT) {
-        (void)snprintf(out->input, sizeof out->input, "%s", PATCH_PERFORMER);
-        (void)snprintf(out->channel, sizeof out->channel, "%s.%.50s",
-                       channel->hand == MRT_LEFT ? "left" : "right", sensor_table[angle].name);
-    } else if (channel->semantic >= MRT_CH_PEDAL && pedal < MRT_MAX_PEDALS) {
-        (void)snprintf(out->input, sizeof out->input, "%s", PATCH_PERFORMER);
-        (void)snprintf(out->channel, sizeof out->channel, "pedal.%u", pedal + 1);
-    } else {
-        name_input(now, which, out->input);
-        (void)snprintf(out->channel, sizeof out->channel, "%.63s", channel->name);
-    }
-}
-
-/* Selects the channel that has moved most since learning started, by at least a quarter of its
- * range. */
-static void look_for_source(panel *self, const heard *now)
-{
-    double most = 0.25;
-    for (uint32_t i = 0; i < now->frame.input_count; ++i) {
-        const mrt_channels *in = &now->inputs[i];
-        if (in->count > 0 && !self->is_known[i]) {
-            memcpy(self->was[i], in->value, in->count * sizeof *in->value);
-            self->is_known[i] = true;
-        }
-        for (uint32_t c = 0; c < in->count; ++c) {
-            double way = (double)in->channel[c].max - (double)in->channel[c].min;
-            double moved = fabs((double)in->value[c] - (double)self->was[i][c]) / fmax(way, 1e-9);
-            if (!(moved > most))
-                continue;
-            most = moved;
-            self->source = patch_connection_of(PATCH_NOTHING);
-            name_channel(now, i, c, &self->source);
-            self->has_source = true;
-        }
-    }
+    self->learner = (channel_learner){.count = 0};
 }
 
 static void look_for_click(panel *self)
@@ -249,10 +163,10 @@ static void update(panel *self, double dt_s)
     app_patch_aim *aim = app_patch_aimed(self->app);
     if (!aim->is_learning)
         return;
-    heard now;
-    read_channels(self, &now);
+    channels_now now;
+    channels_read(&now, self->app);
     self->work = *app_patch(self->app);
-    look_for_source(self, &now);
+    self->has_source |= channel_learn(&self->learner, &now, &self->source);
     look_for_click(self);
     if (aim->kind == PATCH_NOTHING)
         return;
@@ -304,8 +218,10 @@ static void list_targets(panel *self, patch_kind kind)
         add_item(self, about->contacts[i].name);
     const bool is_pose =
         kind == PATCH_POSE || (kind == PATCH_SHAPE && file && !file->mesh.target_count);
-    for (uint32_t i = 0; is_pose && file && file->rig && i < file->rig->pose_count; ++i)
-        add_item(self, file->rig->pose[i].name);
+    uint32_t pose_count = 0;
+    const mrt_rig_pose *pose = live_poses(app_live(self->app), &pose_count);
+    for (uint32_t i = 0; is_pose && i < pose_count; ++i)
+        add_item(self, pose[i].name);
     for (uint32_t i = 0; kind == PATCH_ACTION && i < PATCH_ACTIONS; ++i)
         add_item(self, patch_action_names[i]);
     for (uint32_t i = 0; kind == PATCH_SHAPE && file && i < file->mesh.target_count; ++i)
@@ -314,14 +230,14 @@ static void list_targets(panel *self, patch_kind kind)
         (void)index_of(self, file->mesh.expression[i].name);
 }
 
-static void list_sources(panel *self, const heard *now)
+static void list_sources(panel *self, const channels_now *now)
 {
     self->item_count = 0;
     for (uint32_t i = 0; i < now->frame.input_count; ++i)
         for (uint32_t c = 0; c < now->inputs[i].count; ++c) {
             patch_connection of = patch_connection_of(PATCH_DOF);
             char text[ITEM];
-            name_channel(now, i, c, &of);
+            channels_name(now, i, c, &of);
             (void)snprintf(text, sizeof text, "%.40s: %.60s", of.input, of.channel);
             (void)index_of(self, text);
         }
@@ -329,7 +245,7 @@ static void list_sources(panel *self, const heard *now)
 
 /* ---- the selected connection ---- */
 
-static void draw_source(panel *self, ui *on, patch_connection *c, const heard *now)
+static void draw_source(panel *self, ui *on, patch_connection *c, const channels_now *now)
 {
     char text[ITEM];
     list_sources(self, now);
@@ -449,7 +365,7 @@ static patch_range range_of(const panel *self, const patch_connection *c, ui_ran
     return (patch_range){-1.0, 1.0, 0.0};
 }
 
-static void draw_ranges(panel *self, ui *on, patch_connection *c, const heard *now)
+static void draw_ranges(panel *self, ui *on, patch_connection *c, const channels_now *now)
 {
     mrt_channel channel = {"", "", 0, 0, 0.0f, 1.0f};
     double raw;
@@ -485,7 +401,7 @@ static void draw_ranges(panel *self, ui *on, patch_connection *c, const heard *n
 }
 
 /* Draws the curve and the current position of the channel on it. */
-static void draw_curve(ui *on, const patch_connection *c, const heard *now)
+static void draw_curve(ui *on, const patch_connection *c, const channels_now *now)
 {
     enum { POINTS = 33 };
     float xy[2 * POINTS];
@@ -510,7 +426,7 @@ static void draw_curve(ui *on, const patch_connection *c, const heard *now)
     ui_canvas_end(on);
 }
 
-static void draw_chosen(panel *self, ui *on, const heard *now)
+static void draw_chosen(panel *self, ui *on, const channels_now *now)
 {
     static const char *const modes[] = {"instead of the mapping", "added to the mapping"};
     static const ui_range bend = {-1.0, 1.0, "", 2, false, 0.0};
@@ -554,7 +470,7 @@ static void draw_chosen(panel *self, ui *on, const heard *now)
 
 /* ---- the list ---- */
 
-static void draw_row(panel *self, ui *on, uint32_t i, const heard *now)
+static void draw_row(panel *self, ui *on, uint32_t i, const channels_now *now)
 {
     const patch_connection *c = &self->work.connection[i];
     char id[16], words[2 * PATCH_NAME + 8];
@@ -675,8 +591,8 @@ static void draw_file(panel *self, ui *on)
 
 static void draw(panel *self, ui *on, ui_rectangle where)
 {
-    heard now;
-    read_channels(self, &now);
+    channels_now now;
+    channels_read(&now, self->app);
     if (live_input_count(app_live(self->app)) >
         0) /* a moving fader does not always move the face, so the meters need their own frames */
         ui_want_frame(on, app_patch_aimed(self->app)->is_learning ? 0.03 : 0.1);

@@ -436,7 +436,7 @@ static void paint_clip(panel *self, ui *on, ui_rectangle box, const take_layer *
     ui_draw_box(on, where, as.ground, 3.0f);
     const timeline_strip *strip = timeline_result_strip(self->result, owner, clip->id);
     ui_clip_begin(on, where);
-    if (strip && strip->performance == clip->performance)
+    if (strip && strip->performance == clip->performance && strip->part == clip->part)
         paint_curve(self, on, box, lane, clip, strip, as);
     paint_fades(self, on, box, clip);
     ui_clip_end(on);

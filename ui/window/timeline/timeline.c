@@ -267,6 +267,7 @@ static void request_clip(panel *self, const take_layer *of, const take_clip *cli
     timeline_strip strip = {.owner = owner,
                             .clip = clip->id,
                             .performance = clip->performance,
+                            .part = clip->part,
                             .from_ns = clip->from_ns + take_warp_to_source(clip, from_ns),
                             .to_ns = clip->from_ns + take_warp_to_source(clip, to_ns),
                             .lanes = lanes};

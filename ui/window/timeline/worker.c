@@ -14,8 +14,9 @@
 
 enum { WORKER_CURVES_MAX = 32, WORKER_SAMPLES = 512, WORKER_FRAMES = 1 << 18, WORKER_PATH = 4096 };
 
-typedef struct worker_curve { /* curve of a performance */
+typedef struct worker_curve { /* curve of a part of a performance */
     int64_t performance, from_ns;
+    take_part part;
     activity *curve; /* NULL: cannot be performed */
     bool is_done;
     uint64_t used; /* time of the last request */
@@ -140,12 +141,12 @@ static worker_curve *slot_for_curve(worker_reader *self)
     return oldest;
 }
 
-static void begin_curve(worker_reader *self, worker_curve *out, int64_t performance)
+static void begin_curve(worker_reader *self, worker_curve *out, const timeline_strip *of)
 {
     error err = {""};
     show_performance about;
-    *out = (worker_curve){.performance = performance, .is_done = true};
-    if (show_performance_read(self->show, performance, &about, &err) < 0) {
+    *out = (worker_curve){.performance = of->performance, .part = of->part, .is_done = true};
+    if (show_performance_read(self->show, of->performance, &about, &err) < 0) {
         note(self, &err);
         return;
     }
@@ -154,22 +155,22 @@ static void begin_curve(worker_reader *self, worker_curve *out, int64_t performa
     open_face(self);
     if (!self->scratch)
         return;
-    if (activity_create(&out->curve, &self->world, performance, &err) < 0) {
+    if (activity_create(&out->curve, &self->world, of->performance, of->part, &err) < 0) {
         out->curve = NULL;
         note(self, &err);
     }
     out->is_done = out->curve == NULL;
 }
 
-static worker_curve *curve_of(worker_reader *self, int64_t performance)
+static worker_curve *curve_of(worker_reader *self, const timeline_strip *of)
 {
     worker_curve *curve = NULL;
     for (uint32_t i = 0; i < self->curve_count && !curve; ++i)
-        if (self->curve[i].performance == performance)
+        if (self->curve[i].performance == of->performance && self->curve[i].part == of->part)
             curve = &self->curve[i];
     if (!curve) {
         curve = slot_for_curve(self);
-        begin_curve(self, curve, performance);
+        begin_curve(self, curve, of);
     }
     curve->used = ++self->uses;
     return curve;
@@ -193,7 +194,7 @@ static bool step_curve(worker_reader *self, worker_curve *curve)
 static bool step_curves(worker_reader *self, const timeline_request *request)
 {
     for (uint32_t i = 0; i < request->strip_count; ++i) {
-        worker_curve *curve = curve_of(self, request->strip[i].performance);
+        worker_curve *curve = curve_of(self, &request->strip[i]);
         if (!curve->is_done && step_curve(self, curve))
             return true;
     }
@@ -302,7 +303,7 @@ static void fill_strips(worker_reader *self, const timeline_request *request, ti
         out->bin[i] = (activity_bin){1.0f, 0.0f};
     for (uint32_t i = 0; scratch && self->show && i < request->strip_count; ++i) {
         const timeline_strip *strip = &request->strip[i];
-        const worker_curve *curve = curve_of(self, strip->performance);
+        const worker_curve *curve = curve_of(self, strip);
         if (curve->curve)
             read_strip(curve, strip, out->bin + strip->first_bin, scratch);
     }

@@ -26,6 +26,7 @@ typedef struct timeline_strip { /* curve of a part of a performance */
     int64_t performance;
     int64_t from_ns, to_ns; /* show time */
     uint32_t lanes;         /* bits of activity lanes; the curve is their maximum */
+    take_part part;
     uint32_t bin_count, first_bin;
 } timeline_strip;
 

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { PALETTE = 8 };
+enum { BONE_COLORS = 8 };
 
 struct viewport_heat {
     const face_file *file;
@@ -14,8 +14,9 @@ struct viewport_heat {
 };
 
 /* sRGB colours; drawing converts them to linear. */
-static const uint32_t palette[PALETTE] = {0x4f7fb8ffu, 0xc96a55ffu, 0x6fae8cffu, 0xb98fc4ffu,
-                                          0xd2b45affu, 0x5fb0b5ffu, 0xc98aa0ffu, 0x8f9a5fffu};
+static const uint32_t bone_color[BONE_COLORS] = {0x4f7fb8ffu, 0xc96a55ffu, 0x6fae8cffu,
+                                                 0xb98fc4ffu, 0xd2b45affu, 0x5fb0b5ffu,
+                                                 0xc98aa0ffu, 0x8f9a5fffu};
 static const viewport_heat_legend legends[APP_HEATS] = {
     [APP_HEAT_NONE] = {.title = ""},
     [APP_HEAT_WEIGHTS] = {.title = "Bones"},
@@ -136,7 +137,7 @@ static void colour_weights(const viewport_heat *self, float *out_rgb)
         for (uint32_t bone = 0; bone < b->bone_count; ++bone) {
             float weight = b->weight[(size_t)bone * b->vertex_count + v];
             for (int i = 0; i < 3 && weight > 0.0f; ++i)
-                rgb[i] += weight * channel(palette[bone % PALETTE], i);
+                rgb[i] += weight * channel(bone_color[bone % BONE_COLORS], i);
         }
     }
 }
@@ -239,5 +240,5 @@ uint32_t viewport_heat_bone(const viewport_heat *self, uint32_t bone, const char
 {
     const rig *r = self->file->rig;
     *out_name = r && bone < r->bone_count ? r->bone[bone].name : "face";
-    return palette[bone % PALETTE];
+    return bone_color[bone % BONE_COLORS];
 }

@@ -501,6 +501,11 @@ uint32_t viewport_picture_draw(viewport_picture *self, const viewport_picture_lo
     return draw_target_texture(self->target);
 }
 
+uint32_t viewport_picture_copy(viewport_picture *self)
+{
+    return self->target ? draw_target_copy(self->target) : 0;
+}
+
 uint64_t viewport_picture_count(const viewport_picture *self)
 {
     return self->count;

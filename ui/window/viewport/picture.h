@@ -62,6 +62,9 @@ typedef struct viewport_picture_look {
  * the reason in err if nothing can be shown. */
 uint32_t viewport_picture_draw(viewport_picture *self, const viewport_picture_look *look,
                                error *err);
+/* Copies the last picture into a texture of its own, for draw_texture_destroy; 0: none was drawn.
+ */
+uint32_t viewport_picture_copy(viewport_picture *self);
 uint64_t viewport_picture_shapes(const viewport_picture *self); /* increases with each new shape */
 uint64_t viewport_picture_count(const viewport_picture *self);  /* number of draws */
 

@@ -1,6 +1,7 @@
 #include "window/viewport/posed_shape.h"
 
 #include "face/rig/rig_poses.h"
+#include "mesh/arkit.h"
 
 #include <pthread.h>
 #include <stdlib.h>
@@ -44,6 +45,17 @@ static uint32_t index_of(const rig *r, const char *name)
     return RIG_NONE;
 }
 
+/* Adds the head's own shape of that name, which is a pose too (live_poses). */
+static void add_target(const mesh *m, const char *name, float *out)
+{
+    for (uint32_t i = 0; i < m->target_count; ++i)
+        if (arkit_is_same_name(m->target[i].name, name)) {
+            for (size_t k = 0; k < (size_t)m->vertex_count * 3; ++k)
+                out[k] += m->target[i].offset[k];
+            return;
+        }
+}
+
 /* Computes the sum of the poses. */
 static void find_shape(model *of, const wish *wanted, float *out)
 {
@@ -52,6 +64,8 @@ static void find_shape(model *of, const wish *wanted, float *out)
     memcpy(out, of->mesh.position, size * sizeof *out);
     for (int k = 0; k < POSED_TOGETHER && wanted->pose[k][0]; ++k) {
         const uint32_t pose = index_of(&of->stage.rig, wanted->pose[k]);
+        if (pose == RIG_NONE)
+            add_target(&of->mesh, wanted->pose[k], out);
         if (pose == RIG_NONE || rig_poses_show(&of->stage, pose, &ignored) < 0)
             continue;
         for (size_t i = 0; i < size; ++i)

@@ -1,4 +1,4 @@
-/* window/viewport/posed_shape.h - computes the shapes of rig poses in a background thread, on a
+/* window/viewport/posed_shape.h - computes the shapes of poses in a background thread, on a
  * separate copy of the face. Leaves out drawing (viewport_portrait). [main], except for the thread,
  * which starts with the first face. */
 #ifndef MAROTTE_UI_WINDOW_VIEWPORT_POSED_SHAPE_H

@@ -1465,21 +1465,30 @@ uint64_t viewport_output_drawn(const viewport *self, viewport_taker to)
 }
 
 uint32_t viewport_portrait(viewport *self, const float *position, uint32_t vertex_count,
-                           const float ground[4], uint32_t width, uint32_t height)
+                           const float ground[4], const float frame[6], uint32_t width,
+                           uint32_t height)
 {
-    static const float closer =
-        0.86f; /* factor of the default camera distance, which leaves a margin around the head */
+    static const float closer = 0.86f, /* factors of the default camera distance, which leaves a
+                                          margin around the head */
+        closest = 0.68f;
     error err = {{0}};
     if (!self->has_face || vertex_count != self->face.vertex_count || width == 0 || height == 0 ||
         !has_output(self, VIEWPORT_PORTRAIT, &err))
         return 0;
     viewport_picture_shape(self->output[VIEWPORT_PORTRAIT], position, NULL);
-    viewport_picture_look look = {
-        .width = width,
-        .height = height,
-        .ground = ground,
-        .scenery = kept_scenery_now(app_scenery(self->of)),
-        .camera = draw_camera_framing(self->low, self->high, (float)width / (float)height)};
-    look.camera.distance_mm *= closer;
+    viewport_picture_look look = {.width = width,
+                                  .height = height,
+                                  .ground = ground,
+                                  .scenery = kept_scenery_now(app_scenery(self->of)),
+                                  .camera = draw_camera_framing(frame ? frame : self->low,
+                                                                frame ? frame + 3 : self->high,
+                                                                (float)width / (float)height)};
+    look.camera.distance_mm *= frame ? closest : closer;
     return viewport_picture_draw(self->output[VIEWPORT_PORTRAIT], &look, &err);
+}
+
+uint32_t viewport_copy_portrait(viewport *self)
+{
+    viewport_picture *of = self->output[VIEWPORT_PORTRAIT];
+    return of ? viewport_picture_copy(of) : 0;
 }

@@ -57,9 +57,14 @@ uint32_t viewport_output(viewport *self, viewport_taker to, uint32_t width, uint
 /* Returns how often this texture was drawn, which is the version of its pixels. */
 uint64_t viewport_output_drawn(const viewport *self, viewport_taker to);
 /* Draws the face in another shape from the front, on a plain colour (as in draw_ground). position:
- * vertex_count by 3, mm. Returns a texture, valid until the next call, or 0 on failure. */
+ * vertex_count by 3, mm. frame: low and high corner of the box that is shown, mm; NULL: the head.
+ * Returns a texture, valid until the next call, or 0 on failure. */
 uint32_t viewport_portrait(viewport *self, const float *position, uint32_t vertex_count,
-                           const float ground[4], uint32_t width, uint32_t height);
+                           const float ground[4], const float frame[6], uint32_t width,
+                           uint32_t height);
+/* Copies the last portrait into a texture of its own, for draw_texture_destroy; 0: there is none.
+ */
+uint32_t viewport_copy_portrait(viewport *self);
 /* Sets the background of the output, as in draw_ground. Copied. */
 void viewport_set_ground(viewport *self, const float rgba[4]);
 /* Returns how often the face was drawn. It does not increase while nothing changes. */

@@ -398,6 +398,14 @@ void virtual_hand_update(virtual_hand *self, const ui *keys, const window_gamepa
     give(self, self->side, self->still_s >= settle_s ? FEED_RESTS : FEED_MOVES);
 }
 
+bool virtual_hand_has_key(uint32_t key)
+{
+    for (int i = 0; i < VIRTUAL_KEYS; ++i)
+        if (virtual_hand_key_code[i] == key)
+            return true;
+    return false;
+}
+
 /* ---- display of the keys ---- */
 
 typedef struct key_cell {

@@ -68,6 +68,8 @@ void virtual_hand_destroy(virtual_hand *self);
 void virtual_hand_update(virtual_hand *self, const ui *keys, const window_gamepad *pad,
                          double dt_s);
 
+bool virtual_hand_has_key(uint32_t key); /* moves the hand while the keyboard controls it */
+
 /* Draw the keys and their state along the upper edge of the face while the keyboard controls the
  * hand, and return the height of this help for a width; 0: hidden. */
 void virtual_hand_draw_keys(const virtual_hand *self, ui *on, ui_rectangle where);
