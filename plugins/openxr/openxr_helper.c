@@ -283,7 +283,8 @@ static void take_frame(watcher *self, const openxr_record *record, int64_t arriv
     publish_frame(record->hand, clock_map_to_host(&self->clock, record->time_ns, arrival_ns));
 }
 
-/* Returns false if the process was ended. */
+/* Returns false if this has ended the runtime's program: it sent invalid data, or said that it
+ * ends. */
 static bool take_record(watcher *self, int64_t arrival_ns)
 {
     char line[OPENXR_REASON];

@@ -19,7 +19,7 @@ struct page {
     uint32_t column_count;
 };
 
-/* The same colours as in the drawings. */
+/* Ink, calm and paper are also the colours of the drawings. */
 static const char style[] =
     ":root{color-scheme:light dark;--paper:#fcfcfa;--ink:#1c1e22;--calm:#5b6068;--line:#d5d7d2;"
     "--wash:#f0f1ec;--link:#0b5fa5}\n"
@@ -288,8 +288,9 @@ mrt_result page_write(page *self, const char *html_path, const char *markdown_pa
 static const char *const ink_class[SVG_INKS] = {"ink", "calm", "line", "wash", "a", "b"};
 static const char *const anchor_name[] = {"start", "middle", "end"};
 
-/* The same colours as in the page (style). Written in full for each class: programs other than
- * browsers know classes, but neither variables nor the dark theme. */
+/* The colours of the drawings; ink, calm and paper are those of the page (style). Written in full
+ * for each class: programs other than browsers know classes, but neither variables nor the dark
+ * theme. */
 #define FILL_AND_STROKE(name, colour) ".f-" name "{fill:" colour "}.s-" name "{stroke:" colour "}"
 #define THEME(ink, calm, line, wash, a, b, paper)                                                  \
     FILL_AND_STROKE("ink", ink)                                                                    \

@@ -229,7 +229,9 @@ mrt_result face_load(face *f, const void *bytes, size_t size, error *err)
     rigid pose[RIG_BONES_MAX];
     face_reset(f);
     if (!is_of_this_face(&in, f))
-        return error_set(err, MRT_ERR_FORMAT, "the stored state belongs to another face");
+        return error_set(
+            err, MRT_ERR_FORMAT,
+            "the stored state belongs to another face, or to another version of marotte");
     for (uint32_t i = 0; i < f->bones.dof_count; ++i)
         dof[i] = read_float(&in);
     read_shape_weights(&in, f);
