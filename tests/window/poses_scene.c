@@ -346,6 +346,31 @@ static void a_pad_that_is_unplugged_while_it_is_held_lets_its_pose_go(void **sta
     close_poses(&s);
 }
 
+static void a_hit_shorter_than_a_frame_is_played(void **state)
+{
+    scene s;
+    char jaw[] = "jawOpen";
+    (void)state;
+    open_poses(&s, true);
+    send_note(36, 127);
+    assert_true(scene_until(&s, has_pad, NULL));
+    send_note(36, 0);
+    scene_frames(&s, 30);
+    pose_settings to = *pose_palette_settings(poses(&s));
+    to.mode = POSE_LATCH;
+    to.trigger[to.trigger_count++] =
+        (pose_trigger){.pose = "jawOpen", .input = "midi", .channel = "note.36"};
+    pose_palette_change(poses(&s), &to, "test");
+    scene_frames(&s, 5);
+    for (int i = 0; i < 4; ++i) {
+        send_note(36, 127);
+        send_note(36, 0);
+        clock_sleep_until_ns(clock_now_ns() + 50 * NS_PER_MS); /* no frame of the window */
+        await_strength(&s, jaw, i % 2 ? 0.0 : 1.0);
+    }
+    close_poses(&s);
+}
+
 static void send_fader(uint8_t value)
 {
     const uint8_t bytes[3] = {0xb0, 1, value};
@@ -435,6 +460,7 @@ int main(void)
         cmocka_unit_test(poses_are_played_recorded_edited_and_exported),
         cmocka_unit_test(a_key_learnt_twice_plays_the_last_and_undo_brings_the_first_back),
         cmocka_unit_test(a_pad_that_is_unplugged_while_it_is_held_lets_its_pose_go),
+        cmocka_unit_test(a_hit_shorter_than_a_frame_is_played),
         cmocka_unit_test(a_fader_is_followed),
         cmocka_unit_test(latch_favourites_and_search),
         cmocka_unit_test(a_face_without_poses_says_so),

@@ -104,6 +104,9 @@ input *live_input(live *self, uint32_t index); /* for its name, health, channels
 const char *live_input_text(const live *self, uint32_t index);
 /* Copies the newest sample of an input, for live bars. False: none yet. */
 bool live_input_sample(live *self, uint32_t index, mrt_sample *out);
+/* Returns the channels that rose from 0 since the last call, one bit each: a pad that was hit and
+ * released between two calls, too. For one reader. */
+uint64_t live_input_presses(live *self, uint32_t index);
 /* Buffers every sample of one input for a slower reader such as a calibration, for some seconds at
  * most. live_pop_tapped returns the oldest buffered sample; false: none now. Another index
  * discards the buffer. An index without an input stops it. See tap.h. */

@@ -287,8 +287,16 @@ static void tell_main(const live_stage *stage)
 
 static void hear(live_sample_board *board, const mrt_sample *sample)
 {
+    uint64_t presses = 0;
     if (!board)
         return;
+    for (uint32_t i = 0; i < sample->count; ++i) {
+        if (board->last[i] <= 0.0f && sample->value[i] > 0.0f)
+            presses |= UINT64_C(1) << i;
+        board->last[i] = sample->value[i];
+    }
+    if (presses)
+        atomic_fetch_or(&board->presses, presses);
     board->sample[slot_back(&board->slot)] = *sample;
     slot_publish(&board->slot);
 }

@@ -283,6 +283,11 @@ bool live_input_sample(live *self, uint32_t index, mrt_sample *out)
     return out->count > 0;
 }
 
+uint64_t live_input_presses(live *self, uint32_t index)
+{
+    return index < self->entry_count ? atomic_exchange(&self->entry[index].heard->presses, 0) : 0;
+}
+
 void live_tap(live *self, uint32_t index)
 {
     tap_select(self->tap, index < self->entry_count ? index : UINT32_MAX);

@@ -101,6 +101,8 @@ typedef struct live_timeline {
 typedef struct live_sample_board {
     publish_slot slot;
     mrt_sample sample[3];
+    float last[MRT_MAX_CHANNELS]; /* [frame] */
+    _Atomic uint64_t presses;     /* see live_input_presses */
 } live_sample_board;
 
 typedef struct live_pulse { /* statistics of the frame thread */

@@ -368,6 +368,18 @@ static void learn_channel(pose_palette *self, const channels_now *now)
         (channel.semantic == MRT_CH_BUTTON || channel_is_pedal(&channel)))
         t.follows = false;
     add_trigger(self, t);
+    self->was_down[self->settings.trigger_count - 1] = true;
+}
+
+/* Whether the control was pressed since the last frame, perhaps for less than a frame. */
+static bool was_hit(const pose_trigger *t, const channels_now *now, const uint64_t *presses)
+{
+    for (uint32_t k = 0; k < now->frame.input_count && !t->key; ++k)
+        for (uint32_t c = 0; c < now->inputs[k].count; ++c)
+            if ((presses[k] >> c & 1u) && patch_is_input(t->input, now->inputs[k].name) &&
+                strcmp(now->inputs[k].channel[c].name, t->channel) == 0)
+                return true;
+    return false;
 }
 
 /* Reads the share of its range at which a control is, 0..1. A lost device counts as released. */
@@ -390,12 +402,17 @@ static double share_of(const pose_palette *self, uint32_t i, const channels_now 
     return fabs(patch_wanted(&c, &channel, raw, &whole));
 }
 
-static void read_trigger_now(pose_palette *self, uint32_t i, const channels_now *now)
+static void read_trigger_now(pose_palette *self, uint32_t i, const channels_now *now,
+                             const uint64_t *presses)
 {
     const pose_trigger *t = &self->settings.trigger[i];
     const uint32_t pose = pose_palette_find(self, t->pose);
-    const double share = share_of(self, i, now), before = self->was_share[i];
-    const bool is_down = share >= press_share, is_press = is_down && !self->was_down[i];
+    const double before = self->was_share[i];
+    double share = share_of(self, i, now);
+    const bool is_hit = !t->follows && was_hit(t, now, presses);
+    if (share < press_share && is_hit)
+        share = self->settings.strength; /* its velocity is over */
+    const bool is_down = share >= press_share, is_press = is_hit || (is_down && !self->was_down[i]);
     self->was_down[i] = is_down;
     self->was_share[i] = share;
     if (pose == NOBODY)
@@ -444,16 +461,21 @@ static void send_changes(pose_palette *self)
 void pose_palette_update(pose_palette *self)
 {
     channels_now now;
+    uint64_t presses[CHANNELS_INPUTS];
     if (!self->is_wanted || !app_live(self->of) || !follow_stage(self))
         return;
     channels_read(&now, self->of);
+    for (uint32_t i = 0; i < CHANNELS_INPUTS; ++i)
+        presses[i] = live_input_presses(app_live(self->of), i);
+    if (self->learns != NOBODY) /* the press that is learnt plays nothing */
+        memset(presses, 0, sizeof presses);
     learn_channel(self, &now);
     for (uint32_t i = 0; i < self->count; ++i) {
         self->pose[i].level = self->pose[i].latched;
         self->pose[i].is_followed = false;
     }
     for (uint32_t i = 0; i < self->settings.trigger_count; ++i)
-        read_trigger_now(self, i, &now);
+        read_trigger_now(self, i, &now, presses);
     if (self->settings.mode == POSE_LATCH)
         for (uint32_t i = 0; i < self->count; ++i) /* a press of this frame */
             self->pose[i].level = fmax(self->pose[i].level, self->pose[i].latched);
