@@ -37,6 +37,7 @@ warm_up() {
     for panel in devices mapping rig engine log patch output scene; do
         printf '%s\n' "do panel_$panel" 'frames 10'
     done
+    printf '%s\n' 'do panel_poses' 'wait 30' # its thumbnails
     printf '%s\n' 'do record' 'wait 4' 'do record' 'wait 1' 'do take_before' 'frames 20' 'do play' 'wait 3' 'do stop' \
         'do record' 'wait 5' 'do record' 'wait 1' 'do export' 'frames 20' 'key Escape' 'do open' 'frames 20' 'key Escape' \
         'do output' 'wait 1' 'do output' 'frames 20' 'do live' 'key Escape' 'calm'

@@ -27,7 +27,7 @@ struct panel {
     const face_file *file;     /* likewise */
     theme theme;
     uint32_t thumbnail[PALETTE_POSES_MAX]; /* textures; 0: not drawn yet */
-    uint32_t next;                         /* first pose in sight without a thumbnail; NOBODY */
+    uint32_t next;                         /* first pose without a thumbnail; NOBODY */
     pose_settings work; /* as drawn; newer than the settings while a slider is dragged */
     bool is_held, is_learning;
     uint32_t played; /* by the mouse; NOBODY: none */
