@@ -477,7 +477,7 @@ mrt_result saddle_solve(saddle *s, double *rhs, const double *g, error *err)
     for (size_t i = 0; i < entries; ++i)
         if (!(fabs(rhs[i]) <= 1e30))
             return error_set(err, MRT_ERR_UNSUPPORTED,
-                             "the displacements are too large for these controls");
+                             "the displacements are too large for these control vectors");
     field_set_alpha(&s->field, rhs, ENVELOPE_FEW, largest);
     for (int term = 0; term < 4; ++term)
         memcpy(s->field.beta[term], beta[term], sizeof s->field.beta[term]);

@@ -47,7 +47,7 @@ struct surface_meter {
     surface_normal *normal; /* scratch: for each triangle */
     uint8_t *against; /* scratch: for each triangle, the number of edges where it points against its
                          neighbour */
-    surface_spans triangle_spans, edge_spans; /* those of edges with both triangles' corners */
+    surface_spans triangle_spans, edge_spans; /* an edge has the corners of both its triangles */
 };
 
 /* ---- creation ---- */

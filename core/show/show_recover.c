@@ -7,6 +7,7 @@
 #include "show/show_file.h"
 #include "show/show_schema.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -694,8 +695,10 @@ mrt_result show_recover(show_recovery *out, const char *path, const char *out_pa
 {
     *out = (show_recovery){0};
     struct stat status;
-    if (stat(path, &status) != 0 || !S_ISREG(status.st_mode))
-        return error_set(err, MRT_ERR_IO, "%s: is not a file; a damaged show was expected", path);
+    if (stat(path, &status) != 0)
+        return error_set(err, MRT_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
+    if (!S_ISREG(status.st_mode))
+        return error_set(err, MRT_ERR_IO, "%s: is a folder or a device, not a damaged show", path);
     char *copy_path = show_beside(out_path, ".damaged-XXXXXX");
     if (!copy_path)
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory to recover it", path);

@@ -112,7 +112,7 @@ typedef struct perform_outputs { /* zeroed: none */
     bool is_behind;            /* the newest step is not shown yet */
 } perform_outputs;
 
-/* text: values of --output; may name library files. Close it, whatever the result. */
+/* text: values of --output; may name library files. Close `out`, whatever the result. */
 CHECKED mrt_result perform_outputs_open(perform_outputs *out, const char *const *text,
                                         uint32_t count, const perform_mapping_settings *with,
                                         composer *of, const face_file *file, error *err);

@@ -176,7 +176,7 @@ void app_keep_range(app *self)
                         t->is_looping ? (double)t->loop_out_ns : 0.0);
 }
 
-/* Of the take that was on the stage last, from the run before. */
+/* Restores the loop range that the previous run saved, if its take is the chosen one. */
 static void recall_range(app *self)
 {
     const int64_t of = (int64_t)settings_number(self->settings, "range.take", 0.0);
