@@ -78,7 +78,7 @@ timeout 120 "$BUILD_DIR/marotte" perform --verbose --face head.rig.json --input 
     --export heard.livelink.csv >/dev/null 2>heard.err || fail "phone_face: $(tail -c 200 heard.err)"
 paste -d, spoken.livelink.csv heard.livelink.csv | awk -F, 'NR == 1 { half = NF / 2; split($0, name, ","); next }
     NR > 15 { for (i = 3; i <= half; ++i) { d = $i - $(half + i); sum[i] += d < 0 ? -d : d }; ++n }
-    END { for (i in sum) if (sum[i] / n > 0.05) { print name[i], sum[i] / n; bad = 1 }; exit bad || n < 40 }' >apart.txt ||
+    END { for (i in sum) if (sum[i] / n > 0.06) { print name[i], sum[i] / n; bad = 1 }; exit bad || n < 40 }' >apart.txt ||
     fail "a face from a phone is another: $(cat apart.txt)"
 # The same head as a VRM whose shapes are called otherwise: its table of expressions says what they are.
 if command -v python3 >/dev/null; then
