@@ -306,6 +306,38 @@ static void write_upright(const mesh *m, const char *path)
     assert_int_equal(fclose(file), 0);
 }
 
+/* A ball has no nose and no mouth: the stage says that it guessed where the face is. */
+static void a_face_that_was_guessed_is_called_unsure(void **state)
+{
+    enum { AROUND = 24, ROWS = 13 };
+    const double pi = 3.14159265358979323846;
+    char path[200];
+    (void)state;
+    scene_open(&s, 1280, 720, 1.0f);
+    (void)snprintf(path, sizeof path, "%s/ball.obj", s.folder);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    for (int row = 0; row < ROWS; ++row)
+        for (int i = 0; i < AROUND; ++i) {
+            const double a = 2.0 * pi * i / AROUND, b = pi * ((row + 0.5) / ROWS - 0.5);
+            (void)fprintf(file, "v %.3f %.3f %.3f\n", 110.0 * cos(b) * sin(a), 110.0 * sin(b),
+                          110.0 * cos(b) * cos(a));
+        }
+    for (int row = 0; row + 1 < ROWS; ++row)
+        for (int i = 0; i < AROUND; ++i) {
+            const int at = 1 + row * AROUND, next = (i + 1) % AROUND;
+            (void)fprintf(file, "f %d %d %d %d\n", at + i, at + next, at + next + AROUND,
+                          at + i + AROUND);
+        }
+    assert_int_equal(fclose(file), 0);
+    assert_true(app_open_face(s.app, path) >= 0);
+    scene_frames(&s, 5);
+    scene_click_word(&s, "Draft a rig");
+    assert_true(scene_until(&s, has_drafted, NULL));
+    assert_non_null(strstr(newest(), "its face is unsure"));
+    scene_close(&s);
+}
+
 static bool has_saved(scene *of, void *data)
 {
     (void)of;
@@ -665,6 +697,7 @@ int main(void)
         cmocka_unit_test(a_draft_that_is_left_holds_nothing_up),
         cmocka_unit_test(a_drafted_rig_is_read_again_as_it_was_drafted),
         cmocka_unit_test(a_mouth_is_cut_where_a_head_has_none),
+        cmocka_unit_test(a_face_that_was_guessed_is_called_unsure),
         cmocka_unit_test(a_head_on_a_body_is_looked_at),
         cmocka_unit_test(whatever_is_dropped_is_opened_as_what_it_is),
         cmocka_unit_test(a_show_goes_on_under_another_name),
