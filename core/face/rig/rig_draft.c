@@ -414,8 +414,12 @@ static void add_body(drafting *d)
                  joint, sure[BY_SKELETON]);
         return;
     }
-    const vec3 above = along_neck(d, neck_softness(d));
-    add_held(d, "skull", beside(d, of_face(d, half_space(above, d->a.neck_up))));
+    json_t *head = half_space(along_neck(d, neck_softness(d)), d->a.neck_up);
+    if (d->a.is_on_four_legs) { /* the chest below the head may reach as far forward */
+        const vec3 chest = {0.0, d->a.legs_y + neck_softness(d), 0.0};
+        head = json_pack("{s[oo]}", "all", head, half_space(chest, (vec3){0.0, 1.0, 0.0}));
+    }
+    add_held(d, "skull", beside(d, of_face(d, head)));
     add_held(d, "body", of_face(d, body_select(d)));
     if (d->a.is_on_four_legs)
         rig_note(&d->confirm, "bones body and skull: the head ends behind z = %.0f mm, %s",
