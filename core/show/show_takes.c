@@ -267,7 +267,7 @@ static bool is_clip(const show_span *span)
     return span->is_shown && span->performance && span->to_ns > span->from_ns;
 }
 
-/* The poses of the palette lie above the rest, as they did when they were played. */
+/* Adds the poses of the palette as a layer above the others, as they were played. */
 static mrt_result add_palette(take *out, const show_span *spans, size_t count, const bool *plays,
                               error *err)
 {

@@ -610,7 +610,7 @@ static bool is_above(const checking *c, uint32_t contact, uint32_t other)
            mesh_position(c->m, c->r->contact[other].vertex).y;
 }
 
-/* From the tip of the nose down to the chin, each contact lies below the one before it. */
+/* Checks the order of contacts from the tip of the nose down to the chin. */
 static void check_lips(checking *c)
 {
     static const char *const down[] = {"nose.tip", "lip.upper.mid", "lip.lower.mid", "chin"};

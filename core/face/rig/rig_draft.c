@@ -415,7 +415,7 @@ static void add_body(drafting *d)
         return;
     }
     json_t *head = half_space(along_neck(d, neck_softness(d)), d->a.neck_up);
-    if (d->a.is_on_four_legs) { /* the chest below the head may reach as far forward */
+    if (d->a.is_on_four_legs) { /* leaves out the chest, which is below the head */
         const vec3 chest = {0.0, d->a.legs_y + neck_softness(d), 0.0};
         head = json_pack("{s[oo]}", "all", head, half_space(chest, (vec3){0.0, 1.0, 0.0}));
     }

@@ -1097,8 +1097,8 @@ static mrt_result read_sections(void *out, const json_node *at, rig_reading *in,
     return result;
 }
 
-/* Returns entry `index` of a section as JSON. It is a copy of its source entry, if there is one,
- * with only the differences changed. NULL without memory. */
+/* Returns entry `index` of a section as JSON: a copy of its source entry in which only the
+ * differences are changed, or a new one. NULL without memory. */
 static json_t *entry_to_json(rig_section section, uint32_t index, rig_writing *w)
 {
     if (section == RIG_SETS)

@@ -709,7 +709,7 @@ static void cut_profiles(profile p[3], const mesh *m, const uint8_t *is_face, do
     cut_profile(&p[2], m, is_face, x + beside, low_y, high_y);
 }
 
-/* Lowers the top to that of the profile where ears or horns beside it are far higher. */
+/* Returns whether ears or horns rise far above the profile, and writes the top of the profile. */
 static bool has_tall_ears(double *out_top_y, const profile *p)
 {
     int top = ROWS - 1;

@@ -136,7 +136,8 @@ bool rig_outline_find_head(outline_head *out, const mesh *m, const uint8_t *is_h
                            vec3 high)
 {
     const vec3 size = vec3_sub(high, low);
-    if (!(size.z > 1.5 * size.x) || !(size.y > 0.4 * size.z)) /* no animal is so wide or so flat */
+    if (!(size.z > 1.5 * size.x) ||
+        !(size.y > 0.4 * size.z)) /* too wide or too flat for an animal */
         return false;
     outline *o = calloc(1, sizeof *o);
     if (!o)

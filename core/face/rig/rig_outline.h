@@ -11,10 +11,10 @@ typedef struct outline_head {
     double up_y, up_z;      /* unit vector from the body to the head */
 } outline_head;
 
-/* Finds the disc of the head: it lies in front of another large part of the outline, a thinner neck
- * joins the two, and legs, tails and ears are too thin for it. Looks at the vertices of is_head
- * only, which lie between low and high. False: the mesh is not long enough for an animal, no head
- * stands out, or no memory. */
+/* Finds the disc of the head. The head is a large part of the outline in front of another one, and
+ * a thinner neck joins the two. Legs, tails and ears are thinner than a head. Uses only the
+ * vertices of is_head; low and high are their bounds. Returns false: the mesh is not long enough
+ * for an animal, no head stands out, or no memory. */
 CHECKED bool rig_outline_find_head(outline_head *out, const mesh *m, const uint8_t *is_head,
                                    vec3 low, vec3 high);
 

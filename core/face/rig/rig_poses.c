@@ -785,9 +785,9 @@ static vec3 carried_way(vec3 way, const char *contact, const rig_pose *pose, con
     return (vec3){by.across * way.x, by.along * way.y, by.along * way.z};
 }
 
-/* What the model's pose does not name goes as far as on the model, or stays, where the named pulls
- * would bring it elsewhere: on a smaller mouth the lips are nearer to each other and to the nose
- * than a field reaches. */
+/* Adds pulls for contacts that the model's pose does not name, where the named pulls would move
+ * them otherwise than on the model. On a smaller mouth the lips are so near to each other and to
+ * the nose that a pull moves these, too. */
 static mrt_result carry_follows(rig_pose *out, const rig_pose *pose, const carrying *c, error *err)
 {
     const rig *r = c->to.rig;

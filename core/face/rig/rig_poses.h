@@ -77,8 +77,8 @@ CHECKED mrt_result rig_poses_transfer(rig *r, const mesh *m, const face *f, cons
                                       const mesh *model_mesh, const topology *model_topology,
                                       error *err);
 /* Shortens pulls of the poses from `first` on that fold the skin, or that the limit holds back by
- * more than 0.3 mm. If that is not enough, also opens the jaw less. stage: of r; takes its poses
- * anew. */
+ * more than 0.3 mm. If that is not enough, also opens the jaw less. stage: of r; its poses are
+ * replaced. */
 CHECKED mrt_result rig_poses_reduce(rig *r, uint32_t first, rig_poses_stage *stage, error *err);
 
 #endif

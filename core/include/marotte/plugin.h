@@ -96,7 +96,7 @@ enum {
     MRT_PARAM_POSE = 8
 };
 #define MRT_POSE_VALUES 4294967295.0
-/* Returns the value that stands for the pose of that name: never 0, and the same on every face. */
+/* Returns the parameter value of the pose with that name: never 0, and the same on every face. */
 static inline uint32_t mrt_pose_value(const char *name)
 {
     uint32_t value = UINT32_C(2166136261); /* FNV-1a */
