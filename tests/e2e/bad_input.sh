@@ -194,8 +194,8 @@ eval "\"\$MAROTTE\" rig check $next --json" >"$scratch/said" 2>"$scratch/errors"
 is_clean "rig check --json" "$scratch/said"
 "$MAROTTE" perform --face "$moai" --input "log:$demo" --map anchored --record "$folder/a.marotte" >/dev/null 2>"$scratch/errors" || fail "$(cat "$scratch/errors")"
 dd if=/dev/zero of="$folder/a.marotte" bs=1 seek=40000 count=4000 conv=notrunc 2>/dev/null
-refused 1 "$folder/none.marotte: cannot be opened: No such file" "$MAROTTE" take recover "$folder/none.marotte" --out "$folder/b.marotte"
-refused 1 "$folder: is a folder or a device" "$MAROTTE" take recover "$folder" --out "$folder/b.marotte"
+refused 1 "it/none.marotte: cannot be opened: No such file" "$MAROTTE" take recover "$folder/none.marotte" --out "$folder/b.marotte"
+refused 1 "it: is a folder or a device" "$MAROTTE" take recover "$folder" --out "$folder/b.marotte"
 for how in "" --json; do
     "$MAROTTE" take check "$folder/a.marotte" $how >"$scratch/said" 2>&1
     is_clean "take check $how" "$scratch/said"
