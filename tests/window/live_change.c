@@ -57,24 +57,29 @@ typedef struct track {
     double most_mm; /* of any vertex between two faces, per 20 ms of samples */
 } track;
 
-static void look_on(live_fixture *d, track *t, double seconds)
+static void look(live_fixture *d, track *t)
 {
     size_t size = (size_t)d->view->vertex_count * 3;
-    int64_t until_ns = clock_now_ns() + (int64_t)(seconds * 1e9);
+    fixture_frame(d);
     if (!t->last) {
         t->last = malloc(size * sizeof *t->last);
         assert_non_null(t->last);
         memcpy(t->last, d->view->position, size * sizeof *t->last);
         t->sample_ns = d->view->sample_ns;
     }
-    while (clock_now_ns() < until_ns || d->view->sample_ns < until_ns) {
-        fixture_frame(d);
-        double passed_s = (double)(d->view->sample_ns - t->sample_ns) / 1e9;
-        double frames = fmax(passed_s / 0.02, 1.0);
-        t->most_mm = fmax(t->most_mm, fixture_apart_mm(d, t->last) / frames);
-        memcpy(t->last, d->view->position, size * sizeof *t->last);
-        t->sample_ns = d->view->sample_ns;
-    }
+    double passed_s = (double)(d->view->sample_ns - t->sample_ns) / 1e9;
+    double frames = fmax(passed_s / 0.02, 1.0);
+    t->most_mm = fmax(t->most_mm, fixture_apart_mm(d, t->last) / frames);
+    memcpy(t->last, d->view->position, size * sizeof *t->last);
+    t->sample_ns = d->view->sample_ns;
+}
+
+static void look_on(live_fixture *d, track *t, double seconds)
+{
+    int64_t until_ns = clock_now_ns() + (int64_t)(seconds * 1e9);
+    do
+        look(d, t);
+    while (clock_now_ns() < until_ns || d->view->sample_ns < until_ns);
 }
 
 static void is_smooth(const track *t, const char *what, double moved_mm)
@@ -131,6 +136,94 @@ static void mapping_changes_without_a_jump(void **state)
     change_mapping(&d, &hand, "one_hand", "anchored");
     change_mapping(&d, &hand, "anchored", "one_hand");
     end(&d, &hand);
+}
+
+static void knead(live_fixture *d, still_hand *hand, const char *mapping)
+{
+    error err = {""};
+    relax(d, hand);
+    fixture_must(live_set_mapping(d->live, mapping, &err), &err);
+    fixture_perform(d, 0.6);
+    bend(d, hand);
+}
+
+/* A mapping takes the pose at the change as neutral. So the face must be at rest after it. */
+static void leaves_nothing(live_fixture *d, still_hand *hand, const char *from, const char *to)
+{
+    error err = {""};
+    knead(d, hand, from);
+    fixture_must(live_set_mapping(d->live, to, &err), &err);
+    fixture_perform(d, 0.8);
+    const double left_mm = fixture_apart_mm(d, d->first);
+    print_message("from \"%s\" to \"%s\": %.2f mm of %.1f mm are left\n", from, to, left_mm,
+                  hand->moved_mm);
+    if (left_mm > 0.3)
+        fail_msg("%.2f mm of %s stay in the face after the change to %s", left_mm, from, to);
+}
+
+static void start_with(live_fixture *d, still_hand *hand, const char *library)
+{
+    error err = {""};
+    char path[FIXTURE_PATH];
+    fixture_start(d, "puppet", "one_hand", FIXTURE_SHOW);
+    snprintf(path, sizeof path, "%s/plugins/%s.so", BUILD_DIR, library);
+    fixture_must(plugin_list_add(&d->plugins, path, &err), &err);
+    hold(d, hand);
+}
+
+static void a_change_of_mapping_leaves_nothing_in_the_face(void **state)
+{
+    (void)state;
+    live_fixture d;
+    still_hand hand;
+    start_with(&d, &hand, "poses");
+    leaves_nothing(&d, &hand, "unanchored,gate=0", "one_hand");
+    leaves_nothing(&d, &hand, "anchored", "");
+    leaves_nothing(&d, &hand, "one_hand", "unanchored,gate=0");
+    end(&d, &hand);
+}
+
+static void kneaded_clay_stays_where_a_person_keeps_it(void **state)
+{
+    (void)state;
+    live_fixture d;
+    still_hand hand;
+    error err = {""};
+    start_with(&d, &hand, "poses");
+    live_keep_clay(d.live, true);
+    assert_true(live_keeps_clay(d.live));
+    knead(&d, &hand, "unanchored,gate=0");
+    const double kneaded_mm = fixture_apart_mm(&d, d.first);
+    assert_true(kneaded_mm > 5.0);
+    fixture_must(live_set_mapping(d.live, "poses", &err), &err);
+    fixture_perform(&d, 1.2);
+    assert_true(fixture_apart_mm(&d, d.first) > 0.9 * kneaded_mm);
+    end(&d, &hand);
+}
+
+/* Nothing else moves: the steps of the ease come from the stage itself. */
+static void face_rests_after_the_last_hand_is_removed(void **state)
+{
+    static const char *const mappings[] = {"anchored", "unanchored,gate=0"};
+    (void)state;
+    for (size_t i = 0; i < sizeof mappings / sizeof *mappings; ++i) {
+        live_fixture d;
+        still_hand hand;
+        error err = {""};
+        track t = {0};
+        start_with(&d, &hand, "poses");
+        knead(&d, &hand, mappings[i]);
+        look(&d, &t);
+        fixture_must(live_remove_input(d.live, 0, &err), &err);
+        for (int64_t until_ns = clock_now_ns() + NS_PER_S; clock_now_ns() < until_ns;)
+            look(&d, &t);
+        print_message("%s, no hand: %.2f mm of %.1f mm are left\n", mappings[i],
+                      fixture_apart_mm(&d, d.first), hand.moved_mm);
+        is_smooth(&t, mappings[i], fmax(hand.moved_mm, 1.0));
+        assert_true(fixture_is_at_rest(&d, NULL));
+        free(t.last);
+        end(&d, &hand);
+    }
 }
 
 static bool drives_a_bone(live_fixture *d, void *data)
@@ -319,6 +412,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(mapping_changes_without_a_jump),
+        cmocka_unit_test(a_change_of_mapping_leaves_nothing_in_the_face),
+        cmocka_unit_test(kneaded_clay_stays_where_a_person_keeps_it),
+        cmocka_unit_test(face_rests_after_the_last_hand_is_removed),
         cmocka_unit_test(a_mapping_of_vectors_drives_no_bone_of_the_one_before),
         cmocka_unit_test(mapping_of_nothing_lets_the_face_rest),
         cmocka_unit_test(inputs_come_and_go_while_it_performs),

@@ -98,6 +98,19 @@ static void another_mapping_is_one_step_with_its_values(void **state)
     stand_close(&s);
 }
 
+static void clay_is_kept_where_a_person_ticks_it(void **state)
+{
+    (void)state;
+    stand s = {.input_count = 0};
+    open_with(&s, "anchored", 1.0f);
+    stand_click(&s, "Keep the clay");
+    assert_true(s.keeps_clay);
+    assert_float_equal(settings_number(s.settings, "stage.keeps_clay", 0.0), 1.0, 1e-9);
+    stand_click(&s, "Keep the clay");
+    assert_false(s.keeps_clay);
+    stand_close(&s);
+}
+
 /* Takes of it play, and then the list shows it, chosen. */
 static void a_replaced_mapping_is_listed_only_while_it_performs(void **state)
 {
@@ -511,6 +524,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(without_a_mapping_it_says_so),
         cmocka_unit_test(a_replaced_mapping_is_listed_only_while_it_performs),
+        cmocka_unit_test(clay_is_kept_where_a_person_ticks_it),
         cmocka_unit_test(another_mapping_is_one_step_with_its_values),
         cmocka_unit_test(a_refused_mapping_leaves_the_old_one_and_says_why),
         cmocka_unit_test(a_drag_of_a_slider_is_one_step),

@@ -370,6 +370,18 @@ size_t live_taught(live *self, void *bytes, size_t capacity)
     return here->has_mapping ? taught_save(&here->mapping, bytes, capacity) : 0;
 }
 
+void live_keep_clay(live *self, bool keeps)
+{
+    (void)self;
+    here->keeps_clay = keeps;
+}
+
+bool live_keeps_clay(const live *self)
+{
+    (void)self;
+    return here->keeps_clay;
+}
+
 mrt_result live_teach(live *self, const void *bytes, size_t size, error *err)
 {
     (void)self;

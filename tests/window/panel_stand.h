@@ -50,6 +50,7 @@ typedef struct stand {
     /* undo */
     undo_change step[STAND_STEPS];
     uint32_t step_count, all_count; /* all: with those that were undone */
+    bool keeps_clay;
     action done;
     /* the face */
     viewport_use use;

@@ -1083,7 +1083,9 @@ static void note_face(workspace *self)
     if (self->face_shown == 0) {
         self->first_face_s = running_s();
         memory_started();
-    } else if (view->sample_ns > 0 && view->mode != LIVE_SHOWS)
+    } else if (!view->hand[MRT_LEFT].present && !view->hand[MRT_RIGHT].present)
+        self->latency_ms.count = 0;
+    else if (view->sample_ns > 0 && view->mode != LIVE_SHOWS)
         figures_add(&self->latency_ms, ms_between(view->sample_ns, clock_now_ns()));
     self->face_shown = view->number;
 }

@@ -29,6 +29,7 @@ typedef struct live_settings { /* everything they point to must outlive the stag
     const csrbf_settings *solver; /* see live_set_solver */
     const char *mapping;          /* such as "one_hand,smile=8"; NULL or "": only the pointer */
     const sound_backend *sound;   /* NULL: PortAudio */
+    bool keeps_clay;              /* see live_keep_clay */
     double fps;                   /* frame rate while no samples arrive; default 60 */
     double journal_s;             /* 0: 30 min */
     wake *changed;                /* signalled after each new view; NULL: not used */
@@ -155,8 +156,12 @@ void live_palette_send(live *self, double fade_s);
 
 /* ---- the mapping ---- */
 
-/* Crossfades to another mapping. "": none. Refused while a take is recorded. */
+/* Crossfades to another mapping. "": none. The shape that hands kneaded eases to rest, unless the
+ * clay is kept. Refused while a take is recorded. */
 CHECKED mrt_result live_set_mapping(live *self, const char *text, error *err);
+/* Whether the kneaded shape stays when the mapping changes and when the last hand is removed. */
+void live_keep_clay(live *self, bool keeps);
+bool live_keeps_clay(const live *self);
 /* Writes the taught values of the mapping (MRT_STATE), at most TAUGHT_BYTES_MAX, and returns their
  * size. 0: it cannot be taught. */
 size_t live_taught(live *self, void *bytes, size_t capacity);

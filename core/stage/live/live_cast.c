@@ -450,7 +450,8 @@ static mrt_result switch_mapping(live_stage *stage, void *data, error *err)
     if (layer_is_fading(of))
         return MRT_HOLD;
     const face *posed = composer_face(stage->scene->performer->composer);
-    c->old = layer_replace(of, &c->role->instance, &c->room, face_metered(posed)->dof);
+    c->old =
+        layer_replace(of, &c->role->instance, &c->room, face_metered(posed)->dof, c->keeps_clay);
     stage->role = c->role;
     stage->reload = NULL;
     return live_cast_begin(stage, c, err);
@@ -507,7 +508,7 @@ static void drop_coming(live *self)
 /* MRT_HOLD: not possible yet. */
 static mrt_result switch_to_coming(live *self, error *err)
 {
-    live_change c = {.role = self->coming};
+    live_change c = {.role = self->coming, .keeps_clay = self->settings.keeps_clay};
     live_mapping_role *before = self->role;
     c.room = layer_room_create(&self->coming->instance);
     mrt_result result = c.room ? live_cast_change(self, switch_mapping, &c, err)
@@ -517,6 +518,7 @@ static mrt_result switch_to_coming(live *self, error *err)
         return result;
     self->role = self->coming;
     self->coming = NULL;
+    live_ease(self);
     instance_deactivate(c.old);
     destroy_mapping(before);
     watch(self);
@@ -539,6 +541,16 @@ static mrt_result start_switch(live *self, live_mapping_role *role, error *err)
     if (result < 0)
         drop_coming(self);
     return result < 0 ? result : MRT_OK;
+}
+
+void live_keep_clay(live *self, bool keeps)
+{
+    self->settings.keeps_clay = keeps;
+}
+
+bool live_keeps_clay(const live *self)
+{
+    return self->settings.keeps_clay;
 }
 
 mrt_result live_set_mapping(live *self, const char *text, error *err)

@@ -57,12 +57,19 @@ void live_neutral(live *self)
     point(self, POINTER_NEUTRAL);
 }
 
-static void pointer_eases(live *self)
+void live_ease(live *self)
 {
-    point(self, POINTER_AWAY);
+    if (self->is_pointing)
+        return; /* its samples continue anyway */
     self->rests_at_ns = clock_now_ns() + spring_ns;
     self->moves = true;
     give(self, FEED_MOVES);
+}
+
+static void pointer_eases(live *self)
+{
+    point(self, POINTER_AWAY);
+    live_ease(self);
 }
 
 static void let_pointer_rest(live *self)
@@ -180,6 +187,10 @@ static mrt_result add_input(live_stage *stage, void *data, error *err)
 static mrt_result remove_input(live_stage *stage, void *data, error *err)
 {
     live_change *c = data;
+    layer *of = stage->scene->performer->voice[0].layer;
+    uint32_t count;
+    const mrt_channel *channels = input_channels(player_input(stage->loop, c->remove), &count);
+    layer_remove_hands(of, channels, count, c->keeps_clay);
     player_remove_input(stage->loop, c->remove);
     stage->input_count -= 1;
     for (uint32_t i = c->remove; i < stage->input_count; ++i)
@@ -241,7 +252,7 @@ mrt_result live_remove_input(live *self, uint32_t index, error *err)
     if (result < 0)
         return result;
     live_input_entry gone = self->entry[index], *at = &self->entry[index];
-    live_change c = {.remove = index + 1};
+    live_change c = {.remove = index + 1, .keeps_clay = self->settings.keeps_clay};
     self->entry_count -= 1;
     size_t behind = (self->entry_count - index) * sizeof *at;
     memmove(at, at + 1, behind);
@@ -254,6 +265,7 @@ mrt_result live_remove_input(live *self, uint32_t index, error *err)
     }
     result = live_run_command(self, remove_input, &c, err);
     live_cast_dismiss(self, &c);
+    live_ease(self);
     finish_entry(&gone);
     return result;
 }

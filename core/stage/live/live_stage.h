@@ -184,6 +184,7 @@ typedef struct live_change {
     live_mapping_role *role;
     layer_room *room; /* of the new performer; after the change, of the old one */
     instance *old;
+    bool keeps_clay; /* the base does not return to rest */
     input *add;
     live_sample_board *heard;
     uint32_t remove, side;
@@ -351,6 +352,8 @@ CHECKED mrt_result live_cast_restart(live *self, error *err);
 CHECKED mrt_result live_pointer_open(live *self, error *err);
 void live_inputs_finish(live *self);
 void live_inputs_update(live *self);
+/* Supplies the steps in which something eases that no hand moves any more. */
+void live_ease(live *self);
 
 /* ---- live_palette.c: poses that are played ---- */
 

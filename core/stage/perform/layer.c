@@ -196,6 +196,7 @@ static void enter(layer *self, crossfade_state to)
             release_bones(&c->leaving);
             release_bones(&self->pull);
             self->good = c->leaving;
+            (void)keep_taught(self);
             self->functions->reset(self->mapping->self);
         }
         break;
@@ -230,9 +231,12 @@ instance *layer_switch(layer *self, instance *mapping, layer_room **room)
     return old;
 }
 
-instance *layer_replace(layer *self, instance *mapping, layer_room **room, const float *posed)
+instance *layer_replace(layer *self, instance *mapping, layer_room **room, const float *posed,
+                        bool keeps_clay)
 {
     instance *old = layer_switch(self, mapping, room);
+    if (!keeps_clay)
+        pointer_restore_base(&self->pointer);
     memcpy(self->crossfade.posed, posed, sizeof self->crossfade.posed);
     enter(self, CROSSFADE_WAITS_OTHER);
     return old;
@@ -298,21 +302,30 @@ static void change_side(crossfade *c)
     c->anchor_shift = 0;
 }
 
+/* Where the base also returns to rest, the skin is baked into it, and bones fade. */
+static void go_home(layer *self)
+{
+    crossfade *c = &self->crossfade;
+    if (self->pointer.restores)
+        c->leaving.count = 0;
+    c->shown = layer_home(&c->leaving);
+    change_side(c);
+    enter(self, CROSSFADE_HOME);
+}
+
 /* Chooses the transition by the first pull of the new mapping. While that pull is idle, the shape
- * is kept. */
+ * is kept after a reset, and eases to rest after another mapping. */
 static void begin_fade(layer *self)
 {
     crossfade *c = &self->crossfade;
     const mrt_pull *new = &self->good;
     bool is_other = c->state == CROSSFADE_WAITS_OTHER;
-    if (new->mode == MRT_IDLE)
-        return;
-    if (is_other && leaves_bones(self, &c->leaving, new)) {
-        c->shown = layer_home(&c->leaving);
-        change_side(c);
-        enter(self, CROSSFADE_HOME);
+    if (is_other && (new->mode == MRT_IDLE || leaves_bones(self, &c->leaving, new))) {
+        go_home(self);
         return;
     }
+    if (new->mode == MRT_IDLE)
+        return;
     if (is_other)
         leave_posed(c, new);
     bool continues_drag = c->leaving.mode == MRT_UNANCHORED && new->mode == MRT_UNANCHORED;
@@ -346,6 +359,25 @@ void layer_keep_good(layer *self)
     self->pull = self->good;
     if (is_waiting(&self->crossfade)) /* `good` is from the old mapping, or from before the reset */
         release_bones(&self->pull);
+}
+
+static bool has_hand(const layer *self)
+{
+    return self->frame.hand[MRT_LEFT].present || self->frame.hand[MRT_RIGHT].present;
+}
+
+void layer_remove_hands(layer *self, const mrt_channel *channels, uint32_t count, bool keeps_clay)
+{
+    const bool had_hand = has_hand(self);
+    for (uint32_t i = 0; i < count; ++i)
+        if (channel_is_angle(&channels[i]))
+            self->frame.hand[channels[i].hand].present = false;
+    if (!had_hand || has_hand(self))
+        return;
+    if (!keeps_clay)
+        pointer_restore_base(&self->pointer);
+    layer_crossfade(self);
+    go_home(self);
 }
 
 static void advance_fade(layer *self)

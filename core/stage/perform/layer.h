@@ -24,6 +24,7 @@
  *   any ----> WAITS -------------> IN, OVER ---------------> NONE
  *   any ----> WAITS_OTHER -------> IN, OVER ---------------> NONE
  *             another mapping  `-> HOME -------------------> WAITS
+ *   any ----> HOME: the last hand was removed
  */
 typedef enum crossfade_state {
     CROSSFADE_NONE = 0,    /* only the pull of the mapping is shown */
@@ -140,8 +141,13 @@ void layer_room_destroy(layer_room *room);              /* [main] accepts NULL *
 instance *layer_switch(layer *self, instance *mapping, layer_room **room);
 /* [frame] The same for another mapping without the state of the old one. posed: the current degrees
  * of freedom of the bones. If the new mapping does not drive a bone that the old one drove, the
- * face eases to rest first. */
-instance *layer_replace(layer *self, instance *mapping, layer_room **room, const float *posed);
+ * face eases to rest first. keeps_clay false: the base returns to rest, too. */
+instance *layer_replace(layer *self, instance *mapping, layer_room **room, const float *posed,
+                        bool keeps_clay);
+/* [frame] Removes the hands of an input that has these channels. A hand that another input also has
+ * comes back with its next sample. If no hand remains, the pull of the mapping eases to rest, and
+ * the mapping is reset. Its taught values are kept. keeps_clay: as for layer_replace. */
+void layer_remove_hands(layer *self, const mrt_channel *channels, uint32_t count, bool keeps_clay);
 /* Returns true from the first pull of the new mapping until the end of the cross-fade. */
 bool layer_is_fading(const layer *self);
 

@@ -40,6 +40,12 @@ void pointer_reset(pointer *self)
     *self = (pointer){.pull = guard_idle(), .places = guard_idle()};
 }
 
+void pointer_restore_base(pointer *self)
+{
+    self->restores = true;
+    self->restores_s = -1.0;
+}
+
 /* ---- reading a sample ---- */
 
 typedef struct pointer_sample {
@@ -249,6 +255,10 @@ static void ease(pointer *self, double dt_s)
     }
     if (!self->restores)
         return;
+    if (self->restores_s < 0.0) {
+        self->restores_s = 0.0;
+        return;
+    }
     double left = remaining_share(self->restores_s);
     self->restores_s += dt_s;
     self->restore = left > 0.0 ? 1.0 - remaining_share(self->restores_s) / left : 1.0;
@@ -296,7 +306,7 @@ bool pointer_read(pointer *self, const mrt_face *about, const sample_step *s, in
     self->is_fresh = has_pointer;
     self->commits = false;
     self->restore = 0.0;
-    if (!has_pointer && !self->is_known)
+    if (!has_pointer && !self->is_known && !self->restores)
         return false;
     int64_t passed_ns = time_ns - self->time_ns;
     double dt_s = self->is_known && passed_ns > 0 ? (double)passed_ns / (double)NS_PER_S : 0.0;

@@ -67,13 +67,16 @@ typedef struct pointer {
     vec3 at;
     uint32_t held;     /* 1 + contact; 0: a point of the skin */
     bool restores;     /* the base is returning to rest */
-    double restores_s; /* time since the base began to return to rest */
+    double restores_s; /* time since the base began to return to rest; < 0: begins with the next
+                          step */
     double restore;    /* 0..1: share of the remaining way to rest in the last step */
     uint32_t count;    /* number of entries in `offset`, oldest first */
     pointer_offset offset[POINTER_KEPT_MAX + 1];
 } pointer;
 
 void pointer_reset(pointer *self);
+/* Returns the base to the rest shape within POINTER_SPRING_S of the next steps. */
+void pointer_restore_base(pointer *self);
 /* Call for every step, in time order. Reads the samples whose route has pointer channels. Returns
  * true if the step has one. about: gives the rest positions that identify contacts; time_ns: time
  * of the frame. */

@@ -893,6 +893,8 @@ static mrt_result start_live(app *self, const char *mapping, error *err)
                           .mapping = mapping ? mapping : last,
                           .sound = self->sound,
                           .solver = app_solver(self),
+                          .keeps_clay =
+                              settings_number(self->settings, "stage.keeps_clay", 0.0) > 0.5,
                           .fps = 60.0,
                           .changed = self->changed};
     error ignored = {0};

@@ -1295,9 +1295,16 @@ static void draw_choice(panel *self, ui *on)
     }
     const bool is_other = ui_choice(on, "Mapping", 66.0f, items, count, &chosen);
     ui_hint(on, "Choose how hands move the face. The face does not jump when you switch.");
-    if (!is_other)
-        return;
-    choose_mapping(self, types[chosen] ? types[chosen]->id : "");
+    if (is_other)
+        choose_mapping(self, types[chosen] ? types[chosen]->id : "");
+    bool keeps_clay = live_keeps_clay(app_live(self->app));
+    if (ui_check(on, "Keep the clay", &keeps_clay)) {
+        live_keep_clay(app_live(self->app), keeps_clay);
+        settings_set_number(app_settings(self->app), "stage.keeps_clay", keeps_clay ? 1.0 : 0.0);
+    }
+    ui_hint(on,
+            "On: the shape that your hands kneaded stays when you choose another mapping or remove "
+            "your hand. Off: the face returns to rest.");
 }
 
 /* ---- isolation and reload ---- */
