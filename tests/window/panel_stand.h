@@ -51,6 +51,7 @@ typedef struct stand {
     undo_change step[STAND_STEPS];
     uint32_t step_count, all_count; /* all: with those that were undone */
     action done;
+    uint32_t asked[APP_CALLS]; /* how often */
     /* the face */
     viewport_use use;
     viewport_stroke stroke;
