@@ -86,8 +86,8 @@ const char *guide_instruction(const guide *self);
  * end the last one. */
 int guide_number(const guide *self, int *out_of);
 guide_wait guide_waiting(const guide *self);
-/* Returns how much of the time is over for which the pose must be held still, 0..1. 0 while the hand
- * is still in the last pose. */
+/* Returns how much of the time is over for which the pose must be held still, 0..1. 0 while the
+ * hand is still in the last pose. */
 double guide_held(const guide *self);
 const char *guide_reason(const guide *self);        /* valid until the next call */
 bool guide_has(const guide *self, guide_step step); /* whether the pose of the step was taken */

@@ -115,11 +115,13 @@ double still_share(const still_window *window, double most)
         held += 1;
         for (int channel = 0; is_still && channel < MRT_ANGLES; ++channel) {
             /* Relative to the newest value, so that the squares stay exact. */
-            const double off = (double)window->value[at][channel] - (double)window->value[last][channel];
+            const double off =
+                (double)window->value[at][channel] - (double)window->value[last][channel];
             sum[channel] += off;
             squares[channel] += off * off;
             const double mean = sum[channel] / held;
-            is_still = !counts(window, channel) || squares[channel] / held - mean * mean <= most * most;
+            is_still =
+                !counts(window, channel) || squares[channel] / held - mean * mean <= most * most;
         }
         if (is_still)
             since_ns = window->time_ns[at];

@@ -15,10 +15,10 @@
 #include <string.h>
 
 typedef enum lesson { /* the calibration */
-    LESSON_NONE = 0,
-    LESSON_POSES,
-    LESSON_MISFIT, /* all poses are done, but do not fit */
-    LESSON_DONE    /* saved and used; shown for a while */
+                      LESSON_NONE = 0,
+                      LESSON_POSES,
+                      LESSON_MISFIT, /* all poses are done, but do not fit */
+                      LESSON_DONE    /* saved and used; shown for a while */
 } lesson;
 
 struct camera_card {
@@ -26,12 +26,12 @@ struct camera_card {
     camera_setup *setup;
     hand_skeleton *skeleton[2]; /* of the poses that are asked for, by side */
     camera_setup_state state;   /* of this frame */
-    bool is_asked;   /* the camera is wanted: it is opened after the download */
-    bool shows_page; /* its page is opened when the input is open */
-    uint16_t port;   /* of that page; 0: of the first camera */
-    bool is_hidden;  /* the user hid the hand, until the camera is asked for again */
-    input *camera;   /* NULL: none is open */
-    uint32_t index;  /* of live_input */
+    bool is_asked;              /* the camera is wanted: it is opened after the download */
+    bool shows_page;            /* its page is opened when the input is open */
+    uint16_t port;              /* of that page; 0: of the first camera */
+    bool is_hidden;             /* the user hid the hand, until the camera is asked for again */
+    input *camera;              /* NULL: none is open */
+    uint32_t index;             /* of live_input */
     bool has_sight;
     hand_sight sight;
     double seen_s; /* for how long a hand is seen without a gap */
@@ -271,11 +271,18 @@ void camera_card_update(camera_card *self, double dt_s)
 
 /* ---- drawing: the download ---- */
 
-static const float margin = 12.0f, card_width = 216.0f;
+static const float margin = 12.0f;
+
+/* A small stage needs its room for the face. */
+static bool is_small(ui_rectangle over)
+{
+    return over.width < 640.0f || over.height < 400.0f;
+}
 
 static void begin_card(ui *on, ui_rectangle over, float height)
 {
-    const ui_rectangle box = {over.x + margin, over.y + margin, card_width, height};
+    const ui_rectangle box = {over.x + margin, over.y + margin, is_small(over) ? 172.0f : 216.0f,
+                              height};
     ui_panel_begin(on, "camera", box, UI_GROUND_PANEL);
 }
 
@@ -286,8 +293,7 @@ static void draw_download(camera_card *self, ui *on, ui_rectangle over)
     begin_card(on, over, 112.0f);
     ui_text(on, UI_STYLE_STRONG, "Hand tracker");
     if (whole > 0.0)
-        (void)snprintf(words, sizeof words, "%.0f of %.0f MB", fmin(done, whole) * mb,
-                       whole * mb);
+        (void)snprintf(words, sizeof words, "%.0f of %.0f MB", fmin(done, whole) * mb, whole * mb);
     else
         (void)snprintf(words, sizeof words, "Checking\xe2\x80\xa6");
     ui_text(on, UI_STYLE_DIM, words);
@@ -366,8 +372,7 @@ static void draw_hand(const camera_card *self, ui *on, float height)
     ui_draw_box(on, at.where, THEME_WELL, 4.0f);
     const uint32_t own = self->sight.seen.side == MRT_LEFT ? THEME_LEFT : THEME_RIGHT;
     if (is_seen(self))
-        hand_figure_draw_seen(on, at.where, self->sight.seen.at,
-                              is_clear(self) ? own : THEME_DIM);
+        hand_figure_draw_seen(on, at.where, self->sight.seen.at, is_clear(self) ? own : THEME_DIM);
     ui_canvas_end(on);
 }
 
@@ -403,9 +408,9 @@ static void draw_pose(const camera_card *self, ui *on)
     const float radius = 0.5f * ring_size - 3.0f, inside = 0.62f * ring_size;
     ui_draw_ring(on, x, y, radius, THEME_WELL, 4.0f);
     draw_arc(on, x, y, radius, held, THEME_ACCENT);
-    hand_figure_draw_still(
-        on, (ui_rectangle){x - 0.5f * inside, y - 0.5f * inside, inside, inside},
-        self->skeleton[side], angle_rad, side == MRT_LEFT ? THEME_LEFT : THEME_RIGHT);
+    hand_figure_draw_still(on, (ui_rectangle){x - 0.5f * inside, y - 0.5f * inside, inside, inside},
+                           self->skeleton[side], angle_rad,
+                           side == MRT_LEFT ? THEME_LEFT : THEME_RIGHT);
     ui_canvas_end(on);
 }
 
@@ -414,6 +419,7 @@ static void draw_poses(camera_card *self, ui *on)
     static const char *const short_words[GUIDE_STEPS] = {
         [GUIDE_FLAT] = "Flat hand", [GUIDE_FIST] = "Fist", [GUIDE_SPREAD] = "Spread"};
     const guide_step step = guide_current(self->guide.guide);
+    const guide_wait waits = guide_waiting(self->guide.guide);
     char words[48];
     int of = 0;
     const int number = guide_number(self->guide.guide, &of);
@@ -421,13 +427,14 @@ static void draw_poses(camera_card *self, ui *on)
     ui_same_line(on);
     ui_scroll_begin(on, "words", 0.0f, ring_size);
     ui_text(on, UI_STYLE_TITLE, short_words[step] ? short_words[step] : guide_step_name[step]);
-    (void)snprintf(words, sizeof words, "pose %d of %d", number, of);
+    (void)snprintf(words, sizeof words, "%d of %d", number, of);
     ui_text(on, UI_STYLE_DIM, words);
-    ui_text(on, UI_STYLE_BODY,
-            is_seen(self) ? guide_wait_text[guide_waiting(self->guide.guide)] : "show the hand");
+    ui_text_wrapped(on, UI_STYLE_BODY,
+                    is_seen(self) && waits != GUIDE_WAITS_FOR_SAMPLES ? guide_wait_text[waits]
+                                                                      : "show the hand");
     ui_scroll_end(on);
     ui_hint(on, guide_instruction(self->guide.guide));
-    ui_scroll_begin(on, "why", 0.0f, 52.0f);
+    ui_scroll_begin(on, "why", 0.0f, 70.0f);
     if (self->guide.tone == CALIBRATE_REFUSED)
         ui_text_wrapped(on, UI_STYLE_WARNING, self->guide.news);
     else
@@ -442,7 +449,7 @@ static void draw_misfit(camera_card *self, ui *on)
 {
     char words[96];
     guide_judgement_text(&self->guide.judgement, words, sizeof words);
-    ui_scroll_begin(on, "why", 0.0f, ring_size + 56.0f);
+    ui_scroll_begin(on, "why", 0.0f, ring_size + 74.0f);
     ui_text_wrapped(on, UI_STYLE_WARNING, self->guide.result ? words : self->guide.news);
     ui_scroll_end(on);
     if (ui_button(on, "Try again", UI_ACCENT)) {
@@ -477,15 +484,15 @@ static void draw_idle(camera_card *self, ui *on)
 static void draw_preview(camera_card *self, ui *on, ui_rectangle over)
 {
     const bool is_teaching = self->lesson == LESSON_POSES || self->lesson == LESSON_MISFIT;
-    const float most = over.height - 2.0f * margin, hand_most = 150.0f;
-    const float below = is_teaching                    ? ring_size + 52.0f + 40.0f
-                        : self->trouble.text[0]        ? 92.0f
+    const float below = is_teaching                   ? ring_size + 70.0f + 40.0f
+                        : self->trouble.text[0]       ? 92.0f
                         : self->lesson == LESSON_DONE ? 60.0f
-                                                       : 38.0f;
-    const float hand = fmaxf(fminf(hand_most, most - below - 52.0f), 64.0f);
+                                                      : 38.0f;
+    const float hand = !is_small(over) ? 150.0f : is_teaching ? 0.0f : 100.0f;
     begin_card(on, over, hand + below + 50.0f);
     draw_sight_light(self, on);
-    draw_hand(self, on, hand);
+    if (hand > 0.0f)
+        draw_hand(self, on, hand);
     if (self->lesson == LESSON_POSES)
         draw_poses(self, on);
     else if (self->lesson == LESSON_MISFIT)

@@ -98,7 +98,7 @@ static mrt_result check_file(const char *path, const char *sha256, error *err)
     if (result < 0 || strcmp(sum, sha256) == 0)
         return result;
     return error_set(err, MRT_ERR_FORMAT,
-                     "The download is not the file of %s %s (%s): it is not used. Try again later",
+                     "The download is not the file of %s %s (%s). It is not used. Try again later",
                      camera_package_used->name, camera_package_used->version, file_name_of(path));
 }
 
@@ -186,13 +186,13 @@ static mrt_result run(camera_fetch *going, const char *const *word, const char *
         words[count] = program_argument(word[count]);
     words[count] = NULL;
     const int out = going->is_shown ? STDERR_FILENO : -1;
-    const program_start how = {
-        .program = words[0],
-        .words = words,
-        .in = -1,
-        .out = out, /* not standard output, which is for facts */
-        .err = out,
-        .signals = going->is_shown ? PROGRAM_SHARES_SIGNALS : PROGRAM_USUAL_SIGNALS};
+    const program_start how = {.program = words[0],
+                               .words = words,
+                               .in = -1,
+                               .out = out, /* not standard output, which is for facts */
+                               .err = out,
+                               .signals = going->is_shown ? PROGRAM_SHARES_SIGNALS
+                                                          : PROGRAM_USUAL_SIGNALS};
     const int failed = program_spawn(&pid, &how);
     if (failed)
         return error_set(err, MRT_ERR_IO, "cannot run %s: %s", words[0], strerror(failed));
@@ -234,7 +234,7 @@ static mrt_result fetch_with_npm(camera_fetch *going, const char *part, error *e
     if (result < 0 || code == 0)
         return result;
     return error_set(err, MRT_ERR_IO,
-                     "npm could not download %s: check the internet connection, and try again",
+                     "npm could not download %s. Check the internet connection, and try again",
                      of->name);
 }
 
@@ -257,17 +257,17 @@ static mrt_result explain_curl(int code, const char *url, error *err)
     case NO_HOST:
     case NO_CONNECTION:
         return error_set(err, MRT_ERR_IO,
-                         "No connection to %s: connect to the internet, and try again", host);
+                         "No connection to %s. Connect to the internet, and try again", host);
     case REFUSED:
-        return error_set(err, MRT_ERR_IO, "%s does not have the hand tracker now: try again later",
+        return error_set(err, MRT_ERR_IO, "%s does not have the hand tracker now. Try again later",
                          host);
     case NO_WRITE:
         return error_set(err, MRT_ERR_IO,
-                         "The hand tracker cannot be written: is the disk full? It needs 40 MB");
+                         "The hand tracker cannot be saved. Is the disk full? It needs 40 MB");
     case SILENT:
-        return error_set(err, MRT_ERR_IO, "%s does not answer: try again", host);
+        return error_set(err, MRT_ERR_IO, "%s does not answer", host);
     default:
-        return error_set(err, MRT_ERR_IO, "The download was cut off: try again");
+        return error_set(err, MRT_ERR_IO, "The download was cut off before its end");
     }
 }
 
@@ -304,8 +304,15 @@ static mrt_result fetch_with_curl(camera_fetch *going, const char *part, error *
                                archive,
                                url,
                                NULL};
-    const char *const unpack[] = {"tar", "--extract", "--gzip", "--no-same-owner",
-                                  "--strip-components=1", "--file", archive, "--directory", files,
+    const char *const unpack[] = {"tar",
+                                  "--extract",
+                                  "--gzip",
+                                  "--no-same-owner",
+                                  "--strip-components=1",
+                                  "--file",
+                                  archive,
+                                  "--directory",
+                                  files,
                                   NULL};
     atomic_store(&going->done, 0);
     atomic_store(&going->whole, of->archive_size);
@@ -320,7 +327,7 @@ static mrt_result fetch_with_curl(camera_fetch *going, const char *part, error *
         result = run(going, unpack, archive, &code, err);
     if (result >= 0 && code != 0)
         return error_set(err, MRT_ERR_IO,
-                         "tar could not unpack the hand tracker: is the disk full? It needs 40 MB");
+                         "tar could not unpack the hand tracker. Is the disk full? It needs 40 MB");
     (void)remove(archive);
     return result;
 }
@@ -334,7 +341,7 @@ static mrt_result fetch_into(camera_fetch *going, const char *part, error *err)
     const bool has_curl = program_on_path(path, "curl") && program_on_path(path, "tar");
     if (!has_npm && !has_curl)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "The download needs curl and tar, or npm: install them (apt install curl "
+                         "The download needs curl and tar, or npm. Install them (apt install curl "
                          "tar), and try again");
     mrt_result result = file_make_folders(part, err);
     if (result >= 0 && has_npm)

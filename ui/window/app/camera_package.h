@@ -31,8 +31,8 @@ bool camera_package_is_there(void);
 
 /* A download that goes on. Zeroed at first. */
 typedef struct camera_fetch {
-    bool is_shown;               /* what the programs say goes to standard error */
-    _Atomic bool is_cancelled;   /* [any] ends it soon */
+    bool is_shown;                /* what the programs say goes to standard error */
+    _Atomic bool is_cancelled;    /* [any] ends it soon */
     _Atomic uint64_t done, whole; /* [any] bytes; whole 0: nothing is being downloaded yet */
 } camera_fetch;
 /* Does nothing if all files are there and right. Else downloads them: with npm, or where it is

@@ -97,7 +97,7 @@ bool camera_page_has_browser(void)
     if ((usual && usual[0]) || program_on_path(path, "x-www-browser"))
         return true;
     char *const words[] = {program_argument("xdg-mime"), program_argument("query"),
-                           program_argument("default"),
-                           program_argument("x-scheme-handler/http"), NULL};
+                           program_argument("default"), program_argument("x-scheme-handler/http"),
+                           NULL};
     return program_on_path(path, words[0]) && read_program(text, sizeof text, words);
 }

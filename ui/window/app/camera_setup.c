@@ -7,7 +7,7 @@
 
 struct camera_setup {
     pthread_t thread;
-    camera_fetch going;     /* of the download that goes on */
+    camera_fetch going;    /* of the download that goes on */
     pthread_mutex_t mutex; /* guards all fields below */
     pthread_cond_t changed;
     bool is_ending, is_fetch_wanted, is_show_wanted;

@@ -19,8 +19,8 @@ enum { FINGERS = 5, JOINTS_A_FINGER = 4, BONES = FINGERS * JOINTS_A_FINGER };
 
 /* Of a hand that is seen: from the wrist to the middle knuckle, and from there to the farthest
  * fingertip. */
-#define PALM_MM    95.0f
-#define AROUND_MM  125.0f
+#define PALM_MM   95.0f
+#define AROUND_MM 125.0f
 enum { WRIST = 0, MIDDLE_KNUCKLE = 9 };
 
 typedef struct bone {

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-mrt_result calibrate_guide_begin(calibrate_guide *out, const mrt_channel *channel,
-                                        uint32_t count, uint32_t side, const char *name, error *err)
+mrt_result calibrate_guide_begin(calibrate_guide *out, const mrt_channel *channel, uint32_t count,
+                                 uint32_t side, const char *name, error *err)
 {
     *out = (calibrate_guide){.guide = NULL};
     mrt_result result = glove_channels_find(&out->glove, channel, count, side, name, err);
@@ -118,8 +118,8 @@ void calibrate_guide_again(calibrate_guide *self, guide_step step)
 
 /* Saves the calibration in the user's folder. The caller frees *out_path. hand_length_mm 0:
  * unknown. */
-mrt_result calibrate_guide_keep(calibrate_guide *self, const char *name,
-                                       double hand_length_mm, char **out_path, error *err)
+mrt_result calibrate_guide_keep(calibrate_guide *self, const char *name, double hand_length_mm,
+                                char **out_path, error *err)
 {
     *out_path = NULL;
     if (!self->result)

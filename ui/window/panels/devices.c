@@ -632,7 +632,8 @@ static bool is_camera(const input *of)
     return strcmp(input_plugin(of)->id, CAMERA_PAGE_PLUGIN) == 0;
 }
 
-/* The card on the stage does all of it. port 0: of the open camera, which is opened if necessary. */
+/* The card on the stage does all of it. port 0: of the open camera, which is opened if necessary.
+ */
 static void ask_camera(panel *self, uint16_t port)
 {
     app_notes_of(self->app)->camera_port = port;
@@ -646,9 +647,10 @@ static void draw_camera_card(panel *self, ui *on, const char *input_text)
     const bool has_tracker = app_notes_of(self->app)->has_tracker;
     if (ui_button(on, has_tracker ? "Open camera page" : "Download hand tracking", UI_PLAIN))
         ask_camera(self, camera_page_port(input_text));
-    ui_hint(on, has_tracker
-                    ? "Open the page in your browser, then start the camera there and show a hand."
-                    : "Download the hand tracker once (13 MB), then open the page in your browser.");
+    ui_hint(on,
+            has_tracker
+                ? "Open the page in your browser, then start the camera there and show a hand."
+                : "Download the hand tracker once (13 MB), then open the page in your browser.");
     if (ui_check(on, "Show the hand on the stage", &is_shown))
         settings_set_number(kept, APP_CAMERA_PREVIEW, is_shown ? 1.0 : 0.0);
     ui_hint(on, "Show in a corner of the stage how the camera sees your hand.");
