@@ -378,6 +378,8 @@ static void draw_hand(const camera_card *self, ui *on, float height)
 
 /* ---- drawing: the calibration ---- */
 
+static const float ring_large = 76.0f, ring_small = 60.0f;
+
 /* From the top, clockwise. */
 static void draw_arc(ui *on, float x, float y, float radius, double share, uint32_t colour)
 {
@@ -393,19 +395,17 @@ static void draw_arc(ui *on, float x, float y, float radius, double share, uint3
         ui_draw_lines(on, xy, count, colour, 4.0f);
 }
 
-static const float ring_size = 76.0f;
-
 /* The pose that is asked for, in a ring that fills while it is held. */
-static void draw_pose(const camera_card *self, ui *on)
+static void draw_pose(const camera_card *self, ui *on, float size)
 {
     float angle_rad[MRT_ANGLES];
     ui_canvas at;
     const uint32_t side = self->guide.glove.side;
     const double held = is_seen(self) ? guide_held(self->guide.guide) : 0.0;
     guide_pose(guide_current(self->guide.guide), angle_rad);
-    ui_canvas_begin(on, "pose", ring_size, ring_size, &at);
-    const float x = at.where.x + 0.5f * ring_size, y = at.where.y + 0.5f * ring_size;
-    const float radius = 0.5f * ring_size - 3.0f, inside = 0.62f * ring_size;
+    ui_canvas_begin(on, "pose", size, size, &at);
+    const float x = at.where.x + 0.5f * size, y = at.where.y + 0.5f * size;
+    const float radius = 0.5f * size - 3.0f, inside = 0.62f * size;
     ui_draw_ring(on, x, y, radius, THEME_WELL, 4.0f);
     draw_arc(on, x, y, radius, held, THEME_ACCENT);
     hand_figure_draw_still(on, (ui_rectangle){x - 0.5f * inside, y - 0.5f * inside, inside, inside},
@@ -414,7 +414,7 @@ static void draw_pose(const camera_card *self, ui *on)
     ui_canvas_end(on);
 }
 
-static void draw_poses(camera_card *self, ui *on)
+static void draw_poses(camera_card *self, ui *on, float ring)
 {
     static const char *const short_words[GUIDE_STEPS] = {
         [GUIDE_FLAT] = "Flat hand", [GUIDE_FIST] = "Fist", [GUIDE_SPREAD] = "Spread"};
@@ -423,12 +423,13 @@ static void draw_poses(camera_card *self, ui *on)
     char words[48];
     int of = 0;
     const int number = guide_number(self->guide.guide, &of);
-    draw_pose(self, on);
+    draw_pose(self, on, ring);
     ui_same_line(on);
-    ui_scroll_begin(on, "words", 0.0f, ring_size);
+    ui_scroll_begin(on, "words", 0.0f, ring);
     ui_text(on, UI_STYLE_TITLE, short_words[step] ? short_words[step] : guide_step_name[step]);
     (void)snprintf(words, sizeof words, "%d of %d", number, of);
-    ui_text(on, UI_STYLE_DIM, words);
+    if (ring >= ring_large)
+        ui_text(on, UI_STYLE_DIM, words);
     ui_text_wrapped(on, UI_STYLE_BODY,
                     is_seen(self) && waits != GUIDE_WAITS_FOR_SAMPLES ? guide_wait_text[waits]
                                                                       : "show the hand");
@@ -445,11 +446,11 @@ static void draw_poses(camera_card *self, ui *on)
     ui_hint(on, "Perform without a calibration. \"Calibrate\" starts it later.");
 }
 
-static void draw_misfit(camera_card *self, ui *on)
+static void draw_misfit(camera_card *self, ui *on, float ring)
 {
     char words[96];
     guide_judgement_text(&self->guide.judgement, words, sizeof words);
-    ui_scroll_begin(on, "why", 0.0f, ring_size + 74.0f);
+    ui_scroll_begin(on, "why", 0.0f, ring + 74.0f);
     ui_text_wrapped(on, UI_STYLE_WARNING, self->guide.result ? words : self->guide.news);
     ui_scroll_end(on);
     if (ui_button(on, "Try again", UI_ACCENT)) {
@@ -470,10 +471,8 @@ static void draw_idle(camera_card *self, ui *on)
         ui_text_wrapped(on, UI_STYLE_BAD, self->trouble.text);
         ui_scroll_end(on);
     }
-    ui_disabled_begin(on, !is_clear(self));
     if (ui_button(on, "Calibrate", UI_PLAIN))
         begin_lesson(self);
-    ui_disabled_end(on);
     ui_hint(on, "Adapt to your hand with three poses: flat, fist, spread.");
     ui_same_line(on);
     if (ui_button(on, "Hide", UI_PLAIN))
@@ -484,19 +483,20 @@ static void draw_idle(camera_card *self, ui *on)
 static void draw_preview(camera_card *self, ui *on, ui_rectangle over)
 {
     const bool is_teaching = self->lesson == LESSON_POSES || self->lesson == LESSON_MISFIT;
-    const float below = is_teaching                   ? ring_size + 70.0f + 40.0f
+    const float ring = is_small(over) ? ring_small : ring_large;
+    const float below = is_teaching                   ? ring + 70.0f + 40.0f
                         : self->trouble.text[0]       ? 92.0f
                         : self->lesson == LESSON_DONE ? 60.0f
                                                       : 38.0f;
     const float hand = !is_small(over) ? 150.0f : is_teaching ? 0.0f : 100.0f;
-    begin_card(on, over, hand + below + 50.0f);
+    begin_card(on, over, hand + below + 44.0f);
     draw_sight_light(self, on);
     if (hand > 0.0f)
         draw_hand(self, on, hand);
     if (self->lesson == LESSON_POSES)
-        draw_poses(self, on);
+        draw_poses(self, on, ring);
     else if (self->lesson == LESSON_MISFIT)
-        draw_misfit(self, on);
+        draw_misfit(self, on, ring);
     else
         draw_idle(self, on);
     ui_panel_end(on);
