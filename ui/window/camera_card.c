@@ -414,7 +414,7 @@ static void draw_pose(const camera_card *self, ui *on, float size)
     ui_canvas_end(on);
 }
 
-static void draw_poses(camera_card *self, ui *on, float ring)
+static void draw_poses(camera_card *self, ui *on, float ring_size)
 {
     static const char *const short_words[GUIDE_STEPS] = {
         [GUIDE_FLAT] = "Flat hand", [GUIDE_FIST] = "Fist", [GUIDE_SPREAD] = "Spread"};
@@ -423,12 +423,12 @@ static void draw_poses(camera_card *self, ui *on, float ring)
     char words[48];
     int of = 0;
     const int number = guide_number(self->guide.guide, &of);
-    draw_pose(self, on, ring);
+    draw_pose(self, on, ring_size);
     ui_same_line(on);
-    ui_scroll_begin(on, "words", 0.0f, ring);
+    ui_scroll_begin(on, "words", 0.0f, ring_size);
     ui_text(on, UI_STYLE_TITLE, short_words[step] ? short_words[step] : guide_step_name[step]);
     (void)snprintf(words, sizeof words, "%d of %d", number, of);
-    if (ring >= ring_large)
+    if (ring_size >= ring_large)
         ui_text(on, UI_STYLE_DIM, words);
     ui_text_wrapped(on, UI_STYLE_BODY,
                     is_seen(self) && waits != GUIDE_WAITS_FOR_SAMPLES ? guide_wait_text[waits]
@@ -446,11 +446,11 @@ static void draw_poses(camera_card *self, ui *on, float ring)
     ui_hint(on, "Perform without a calibration. \"Calibrate\" starts it later.");
 }
 
-static void draw_misfit(camera_card *self, ui *on, float ring)
+static void draw_misfit(camera_card *self, ui *on, float ring_size)
 {
     char words[96];
     guide_judgement_text(&self->guide.judgement, words, sizeof words);
-    ui_scroll_begin(on, "why", 0.0f, ring + 74.0f);
+    ui_scroll_begin(on, "why", 0.0f, ring_size + 74.0f);
     ui_text_wrapped(on, UI_STYLE_WARNING, self->guide.result ? words : self->guide.news);
     ui_scroll_end(on);
     if (ui_button(on, "Try again", UI_ACCENT)) {
@@ -483,8 +483,8 @@ static void draw_idle(camera_card *self, ui *on)
 static void draw_preview(camera_card *self, ui *on, ui_rectangle over)
 {
     const bool is_teaching = self->lesson == LESSON_POSES || self->lesson == LESSON_MISFIT;
-    const float ring = is_small(over) ? ring_small : ring_large;
-    const float below = is_teaching                   ? ring + 70.0f + 40.0f
+    const float ring_size = is_small(over) ? ring_small : ring_large;
+    const float below = is_teaching                   ? ring_size + 70.0f + 40.0f
                         : self->trouble.text[0]       ? 92.0f
                         : self->lesson == LESSON_DONE ? 60.0f
                                                       : 38.0f;
@@ -494,9 +494,9 @@ static void draw_preview(camera_card *self, ui *on, ui_rectangle over)
     if (hand > 0.0f)
         draw_hand(self, on, hand);
     if (self->lesson == LESSON_POSES)
-        draw_poses(self, on, ring);
+        draw_poses(self, on, ring_size);
     else if (self->lesson == LESSON_MISFIT)
-        draw_misfit(self, on, ring);
+        draw_misfit(self, on, ring_size);
     else
         draw_idle(self, on);
     ui_panel_end(on);
