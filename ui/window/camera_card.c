@@ -471,9 +471,15 @@ static void draw_idle(camera_card *self, ui *on)
         ui_text_wrapped(on, UI_STYLE_BAD, self->trouble.text);
         ui_scroll_end(on);
     }
-    if (ui_button(on, "Calibrate", UI_PLAIN))
-        begin_lesson(self);
-    ui_hint(on, "Adapt to your hand with three poses: flat, fist, spread.");
+    if (!self->has_sight) {
+        if (ui_button(on, "Open page", UI_PLAIN))
+            ask(self);
+        ui_hint(on, "Open the page in your browser again.");
+    } else {
+        if (ui_button(on, "Calibrate", UI_PLAIN))
+            begin_lesson(self);
+        ui_hint(on, "Adapt to your hand with three poses: flat, fist, spread.");
+    }
     ui_same_line(on);
     if (ui_button(on, "Hide", UI_PLAIN))
         self->is_hidden = true;
@@ -488,7 +494,10 @@ static void draw_preview(camera_card *self, ui *on, ui_rectangle over)
                         : self->trouble.text[0]       ? 92.0f
                         : self->lesson == LESSON_DONE ? 60.0f
                                                       : 38.0f;
-    const float hand = !is_small(over) ? 150.0f : is_teaching ? 0.0f : 100.0f;
+    const float hand = !self->has_sight  ? is_small(over) ? 88.0f : 72.0f
+                       : !is_small(over) ? 150.0f
+                       : is_teaching     ? 0.0f
+                                         : 100.0f;
     begin_card(on, over, hand + below + 44.0f);
     draw_sight_light(self, on);
     if (hand > 0.0f)

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 enum { TOKEN = 32, LONGEST_TOKEN = 256 };
@@ -45,7 +46,8 @@ mrt_result camera_page_address(char out[CAMERA_PAGE_ADDRESS], uint16_t port, err
                : error_set(err, MRT_ERR_FORMAT, "%s: was not written by marotte: remove it", path);
 }
 
-/* xdg-open returns immediately, even if it starts a browser that keeps running. */
+/* xdg-open returns immediately, even if it starts a browser that keeps running; what
+ * $MAROTTE_BROWSER names may be the browser itself. */
 mrt_result camera_page_show(uint16_t port, error *err)
 {
     char address[CAMERA_PAGE_ADDRESS];
@@ -57,12 +59,20 @@ mrt_result camera_page_show(uint16_t port, error *err)
     pid_t pid = 0;
     int status = 0;
     char *const words[] = {program_argument(program), address, NULL};
-    const program_start how = {.program = program, .words = words, .in = -1, .out = -1, .err = -1};
+    const program_start how = {.program = program,
+                               .words = words,
+                               .in = -1,
+                               .out = -1,
+                               .err = -1,
+                               .signals = PROGRAM_USUAL_SIGNALS};
     const int failed = program_spawn(&pid, &how);
     if (failed)
         return error_set(err, MRT_ERR_IO, "cannot run %s (%s): open %s in a browser", program,
                          strerror(failed), address);
-    (void)program_wait(pid, &status, patience_ns);
+    if (program_ends_within(pid, &status, patience_ns) &&
+        !(WIFEXITED(status) && WEXITSTATUS(status) == 0))
+        return error_set(err, MRT_ERR_IO, "%s found no browser. Open %s in a browser", program,
+                         address);
     return MRT_OK;
 }
 
