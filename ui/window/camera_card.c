@@ -41,7 +41,7 @@ struct camera_card {
     error trouble;  /* of the calibration */
 };
 
-static const int64_t sight_ns = 600 * NS_PER_MS; /* a hand that was seen so long ago is away */
+static const int64_t sight_ns = 1200 * NS_PER_MS; /* a hand that was seen so long ago is away */
 static const double steady_s = 1.0, told_s = 4.0;
 static const float sure = 0.5f; /* confidence with which a hand performs, see plugin.h */
 static const char skip_key[] = "camera.skips_calibration";
