@@ -52,7 +52,8 @@ const camera_package *camera_package_used = &hands;
 static const char registry_variable[] = "npm_config_registry";
 static const char usual_registry[] = "https://registry.npmjs.org";
 static const int64_t look_ns = 100 * NS_PER_MS, patience_ns = 900 * NS_PER_S;
-#define SILENT_S "10" /* a download without a byte for so long has stopped */
+/* A download without a byte for 10 s has stopped. */
+static const char silent_s[] = "10", npm_silent[] = "--fetch-timeout=10000";
 
 /* ---- where it lies ---- */
 
@@ -224,7 +225,7 @@ static mrt_result fetch_with_npm(camera_fetch *going, const char *part, error *e
                                 "--save-exact",
                                 "--fetch-retries=1",
                                 "--fetch-retry-mintimeout=1000",
-                                "--fetch-timeout=" SILENT_S "000",
+                                npm_silent,
                                 "--prefix",
                                 part,
                                 what,
@@ -293,11 +294,11 @@ static mrt_result fetch_with_curl(camera_fetch *going, const char *part, error *
                                "--proto",
                                "=http,https",
                                "--connect-timeout",
-                               SILENT_S,
+                               silent_s,
                                "--speed-limit",
                                "1",
                                "--speed-time",
-                               SILENT_S,
+                               silent_s,
                                "--max-filesize",
                                most,
                                "--output",
