@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -19,7 +20,25 @@
 
 static bool is_program(const char *path)
 {
-    return access(path, X_OK) == 0;
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISREG(status.st_mode) && access(path, X_OK) == 0;
+}
+
+bool program_on_path(char out[PATH_MAX], const char *name)
+{
+    const char *at = getenv("PATH");
+    if (strchr(name, '/'))
+        return snprintf(out, PATH_MAX, "%s", name) < PATH_MAX && is_program(out);
+    while (at && *at) {
+        const int length = (int)strcspn(at, ":");
+        const int written =
+            snprintf(out, PATH_MAX, "%.*s%s%s", length, at, length ? "/" : "", name);
+        if (written > 0 && written < PATH_MAX && is_program(out))
+            return true;
+        at += length;
+        at += *at == ':';
+    }
+    return false;
 }
 
 static bool is_beside(char out[PATH_MAX], const char *name)

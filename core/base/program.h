@@ -25,6 +25,9 @@
 CHECKED mrt_result program_find(char out[PATH_MAX], const char *name, const char *variable,
                                 const char *build_dir, const char *purpose, error *err);
 
+/* Finds the program `name` in $PATH. A name with a '/' is itself the path. */
+bool program_on_path(char out[PATH_MAX], const char *name);
+
 /* Creates a pipe. A program that another thread starts at the same time inherits neither end. */
 CHECKED mrt_result program_pipe(int out_end[2], error *err);
 

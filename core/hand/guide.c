@@ -454,7 +454,7 @@ guide_settings guide_settings_bare(uint32_t side, uint32_t sensors, const char *
     guide_settings out = {.side = side,
                           .sensors = sensors & ~(1u << SENSOR_THUMB_ROLL | untold),
                           .steps = 1u << GUIDE_FLAT | 1u << GUIDE_FIST | 1u << GUIDE_SPREAD,
-                          .still_s = 0.5,
+                          .still_s = 1.0,
                           .lead_s = 0.6,
                           .still_raw = 0.08,
                           .moved_raw = 0.35};
@@ -704,6 +704,14 @@ guide_wait guide_waiting(const guide *self)
     if (self->window.count == 0)
         return GUIDE_WAITS_FOR_SAMPLES;
     return self->has_left || !self->has_held ? GUIDE_WAITS_FOR_STILLNESS : GUIDE_WAITS_FOR_MOVEMENT;
+}
+
+double guide_held(const guide *self)
+{
+    if (guide_waiting(self) != GUIDE_WAITS_FOR_STILLNESS)
+        return 0.0;
+    const double held = still_share(&self->window, self->settings.still_raw);
+    return fmin(held, fmax(step_age_s(self) / self->settings.lead_s, 0.0));
 }
 
 const char *guide_reason(const guide *self)

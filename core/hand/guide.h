@@ -37,7 +37,7 @@ typedef struct guide_settings {
 /* Default settings for 8-bit counts: 0.7 s still within 1.5 counts, 1 s lead, no timeout, 10
  * counts. */
 guide_settings guide_settings_default(uint32_t side, uint32_t sensors);
-/* Settings for flat, fist and spread in ten seconds: 0.5 s still within 4.6 degrees, because
+/* Settings for flat, fist and spread in ten seconds: 1 s still within 4.6 degrees, because
  * landmarks jitter, 0.6 s lead, no timeout, 20 degrees. The roll of the thumb is not calibrated:
  * the fist does not show it, and beside the index finger it cannot be seen. */
 guide_settings guide_settings_bare(uint32_t side, uint32_t sensors, const char *input);
@@ -86,6 +86,9 @@ const char *guide_instruction(const guide *self);
  * end the last one. */
 int guide_number(const guide *self, int *out_of);
 guide_wait guide_waiting(const guide *self);
+/* Returns how much of the time is over for which the pose must be held still, 0..1. 0 while the
+ * hand is still in the last pose. */
+double guide_held(const guide *self);
 const char *guide_reason(const guide *self);        /* valid until the next call */
 bool guide_has(const guide *self, guide_step step); /* whether the pose of the step was taken */
 /* MRT_ANGLES minimum and maximum raw values; 0, 0 before any sample. */

@@ -102,6 +102,34 @@ still_state still_measure(const still_window *window)
     return out;
 }
 
+double still_share(const still_window *window, double most)
+{
+    double sum[MRT_ANGLES] = {0}, squares[MRT_ANGLES] = {0};
+    int64_t since_ns = 0, newest = 0;
+    uint32_t held = 0;
+    bool is_still = window->count > 0;
+    if (is_still)
+        since_ns = newest = newest_ns(window);
+    for (uint32_t i = window->count; is_still && i-- > 0;) {
+        const uint32_t at = slot(window, i), last = slot(window, window->count - 1);
+        held += 1;
+        for (int channel = 0; is_still && channel < MRT_ANGLES; ++channel) {
+            /* Relative to the newest value, so that the squares stay exact. */
+            const double off =
+                (double)window->value[at][channel] - (double)window->value[last][channel];
+            sum[channel] += off;
+            squares[channel] += off * off;
+            const double mean = sum[channel] / held;
+            is_still =
+                !counts(window, channel) || squares[channel] / held - mean * mean <= most * most;
+        }
+        if (is_still)
+            since_ns = window->time_ns[at];
+    }
+    const double share = (double)(newest - since_ns) / (double)window->span_ns;
+    return is_still && reaches_over_span(window) ? 1.0 : share;
+}
+
 void still_mean(const still_window *window, float *out)
 {
     for (int channel = 0; channel < MRT_ANGLES; ++channel)

@@ -27,6 +27,9 @@ typedef struct still_state {
     int worst_channel; /* -1: none */
 } still_state;
 still_state still_measure(const still_window *window);
+/* Returns how long the hand has held still up to the newest sample, as a share 0..1 of the span: no
+ * channel has a greater standard deviation than `most` since then. */
+double still_share(const still_window *window, double most);
 
 /* Compute MRT_ANGLES values each; 0 for channels that do not count, and if there are no samples. */
 void still_mean(const still_window *window, float *out);

@@ -169,7 +169,8 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
     (void)snprintf(file, sizeof file, "%s/hands.js", package);
     if (access(file, R_OK) != 0)
         device_log(self->host, MRT_LOG_WARNING,
-                   "the hand detector is not installed: run `marotte camera --setup` once");
+                   "the hand tracker is not installed: press Download on the stage, or run "
+                   "`marotte camera --setup` once");
     return MRT_OK;
 }
 
@@ -298,10 +299,12 @@ static void fill_device(const mrt_plugin *self, mrt_device *out)
     (void)snprintf(file, sizeof file, "%s/hands.js", package);
     /* "Open all ready inputs" must not start the camera. */
     out->state = MRT_DEVICE_UNSURE;
-    (void)snprintf(out->advice, sizeof out->advice, "%s",
-                   access(file, R_OK) == 0
-                       ? "a page in your browser sees the hand; open the input to get its address"
-                       : "run `marotte camera --setup` once: it downloads the hand detector");
+    (void)snprintf(
+        out->advice, sizeof out->advice, "%s",
+        access(file, R_OK) == 0
+            ? "a page in your browser sees the hand; open the input to get its address"
+            : "press \"Camera\" on the empty stage, or run `marotte camera --setup` once: "
+              "it downloads the hand tracker");
 }
 
 static uint32_t list_devices(mrt_plugin *self, mrt_device *out, uint32_t capacity)

@@ -72,10 +72,11 @@ token=\$(expr "\$1" : 'http://127.0.0.1:9130/\([0-9a-f]*\)/\$')
 exec node "$(dirname "$0")/camera_client.mjs" 9130 "\$token" "$frames" 50 </dev/null >/dev/null 2>&1
 BROWSER
 chmod +x "$scratch/bin/browser"
+mkdir -p "$scratch/tracker" && : >"$scratch/tracker/hands.js" # what it needs is there (window/camera_scene downloads it)
 for seconds in 2 5 15 60; do # however long it takes to begin
     rm -rf "$XDG_CONFIG_HOME" "$XDG_DATA_HOME"
     printf 'wait %d\nclick 301 471\nwait %d\n' $seconds $seconds >"$scratch/newcomer.txt"
-    MAROTTE_BROWSER=$scratch/bin/browser "$MAROTTE" stage --hidden --size 1280x720 --script "$scratch/newcomer.txt" \
+    MAROTTE_CAMERA_PACKAGE=$scratch/tracker MAROTTE_BROWSER=$scratch/bin/browser "$MAROTTE" stage --hidden --size 1280x720 --script "$scratch/newcomer.txt" \
         --picture "$scratch/newcomer.png" >"$scratch/stage.txt" 2>&1 || fail "the stage: $(tail -n 3 "$scratch/stage.txt")"
     [ "$(fact 'hand to face' "$scratch/stage.txt")" != 0.00 ] && break
 done

@@ -64,6 +64,26 @@ static void what_is_older_than_the_span_is_forgotten(void **state)
     assert_true(measured.is_full && measured.worst == 0.0);
 }
 
+static void share_is_the_time_since_the_last_movement(void **state)
+{
+    (void)state;
+    still_window window;
+    still_init(&window, SPAN_NS, ALL & ~(1u << 7));
+    assert_float_equal(still_share(&window, 1.0), 0.0, 1e-9);
+    for (int i = 0; i < 200; ++i) { /* moves by 3 a sample, then holds within 0.1 */
+        float values[MRT_ANGLES] = {0};
+        values[2] = i < 100 ? (float)(i * 3) : 297.0f + (i % 2 ? 0.1f : -0.1f);
+        values[7] = i % 2 ? 100.0f : -100.0f; /* does not count */
+        still_add(&window, values, i * PERIOD_NS);
+        if (i == 99)
+            assert_true(still_share(&window, 0.5) < 0.05);
+        if (i == 124)
+            assert_float_equal(still_share(&window, 0.5), 0.5, 0.06);
+    }
+    assert_float_equal(still_share(&window, 0.5), 1.0, 1e-9);
+    assert_float_equal(still_share(&window, 0.05), 0.0, 0.05);
+}
+
 static void a_gap_or_a_step_backwards_starts_anew(void **state)
 {
     (void)state;
@@ -113,6 +133,7 @@ int main(void)
         cmocka_unit_test(window_is_full_once_its_span_was_seen),
         cmocka_unit_test(deviation_names_the_worst_channel_that_counts),
         cmocka_unit_test(what_is_older_than_the_span_is_forgotten),
+        cmocka_unit_test(share_is_the_time_since_the_last_movement),
         cmocka_unit_test(a_gap_or_a_step_backwards_starts_anew),
         cmocka_unit_test(fast_samples_still_fill_the_span),
         cmocka_unit_test(median_ignores_a_glitch),

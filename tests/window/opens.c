@@ -10,7 +10,6 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "window/open_any.h"
-#include "camera_lock.h"
 #include "scene.h"
 #include "unit/closed_moai.h"
 
@@ -48,7 +47,7 @@ static void an_empty_stage_offers_four_ways_in_this_order(void **state)
 {
     (void)state;
     scene_open(&s, 1280, 720, 1.0f);
-    assert_true(x_of("Camera") < x_of("Keyboard hand"));
+    assert_true(x_of("Camera (13 MB)") < x_of("Keyboard hand"));
     assert_true(x_of("Keyboard hand") < x_of("Try a demo hand"));
     assert_true(x_of("Try a demo hand") < x_of("Mouse"));
     scene_look(&s, "opens_offers");
@@ -87,32 +86,6 @@ static void a_click_on_the_mouse_or_a_drag_clears_the_way(void **state)
     assert_non_null(scene_word(&s, "Try a demo hand"));
     scene_drag(&s, 440.0f, 260.0f, 460.0f, 285.0f, 8);
     assert_null(scene_word(&s, "Try a demo hand"));
-    scene_close(&s);
-}
-
-static bool has_page(scene *of, void *data)
-{
-    (void)of;
-    return access(data, F_OK) == 0;
-}
-
-static void a_click_opens_the_camera_and_its_page(void **state)
-{
-    char browser[128], script[256], seen[128];
-    error err = {0};
-    (void)state;
-    camera_lock();
-    scene_open(&s, 1280, 720, 1.0f);
-    (void)snprintf(seen, sizeof seen, "%s/page", s.folder);
-    (void)snprintf(browser, sizeof browser, "%s/browser", s.folder);
-    (void)snprintf(script, sizeof script, "#!/bin/sh\necho \"$1\" > %s\n", seen);
-    assert_int_equal(file_write(browser, script, strlen(script), &err), MRT_OK);
-    assert_int_equal(chmod(browser, 0755), 0);
-    assert_int_equal(setenv("MAROTTE_BROWSER", browser, 1), 0);
-    scene_click_word(&s, "Camera");
-    assert_true(scene_until(&s, has_hand, NULL));
-    assert_true(scene_until(&s, has_page, seen));
-    (void)unsetenv("MAROTTE_BROWSER");
     scene_close(&s);
 }
 
@@ -689,7 +662,6 @@ int main(void)
         cmocka_unit_test(an_empty_stage_offers_four_ways_in_this_order),
         cmocka_unit_test(a_click_brings_a_demo_hand_that_performs),
         cmocka_unit_test(a_click_on_the_mouse_or_a_drag_clears_the_way),
-        cmocka_unit_test(a_click_opens_the_camera_and_its_page),
         cmocka_unit_test(the_first_field_has_the_focus_enter_opens_and_esc_cancels),
         cmocka_unit_test(the_field_keeps_the_focus_in_a_folder_and_after_what_cannot_be_opened),
         cmocka_unit_test(the_list_says_how_large_a_file_is_and_when_it_was_changed),

@@ -32,57 +32,34 @@ static void with_nothing_it_says_what_to_do(void **state)
     stand_close(&s);
 }
 
-/* There, and with something in it. */
-static void wait_for_file(stand *s, const char *path)
-{
-    const int64_t until_ns = clock_now_ns() + 600 * NS_PER_S;
-    struct stat found = {.st_size = 0};
-    while ((stat(path, &found) != 0 || found.st_size == 0) && clock_now_ns() < until_ns) {
-        stand_frame(s);
-        clock_sleep_until_ns(clock_now_ns() + 4 * NS_PER_MS);
-    }
-    assert_true(found.st_size > 0);
-}
-
-/* One click: the input is there, and the browser has been told where its page is. */
+/* The card on the stage does what the button asks for (camera_scene.c). */
 static void use_the_camera_is_one_click(void **state)
 {
     (void)state;
-    char folder[] = "/tmp/marotte_panel_XXXXXX", browser[64], told[64], line[128] = "";
+    char folder[] = "/tmp/marotte_panel_XXXXXX";
     assert_non_null(mkdtemp(folder));
-    (void)snprintf(browser, sizeof browser, "%s/browser", folder);
-    (void)snprintf(told, sizeof told, "%s/told", folder);
-    FILE *file = fopen(browser, "w");
-    assert_non_null(file);
-    assert_true(fprintf(file, "#!/bin/sh\necho \"$1\" >'%s'\n", told) > 0);
-    assert_int_equal(fclose(file), 0);
-    assert_int_equal(chmod(browser, 0700), 0);
-    setenv("MAROTTE_BROWSER", browser, 1);
     setenv("XDG_CONFIG_HOME", folder, 1);
-    setenv("MAROTTE_CAMERA_PACKAGE", "/nowhere", 1);
     stand s = {.input_count = 0};
     camera_lock();
     stand_open(&s, &panel_devices, 1.0f);
     stand_plugin(&s, "plugins/camera");
     stand_wait_for(&s, "Use the camera");
     stand_click(&s, "Use the camera");
-    stand_wait_for(&s, "Open camera page");
-    assert_int_equal(s.input_count, 1);
-    assert_string_equal(s.input_text[0], "camera");
-    wait_for_file(&s, told);
-    file = fopen(told, "r");
-    assert_non_null(file);
-    assert_non_null(fgets(line, sizeof line, file));
-    assert_int_equal(fclose(file), 0);
-    assert_true(strncmp(line, "http://127.0.0.1:9130/", 22) == 0);
-    assert_int_equal(strlen(line), 22 + 32 + 2);
-    assert_true(stand_shows(&s, "marotte camera --setup"));
+    assert_int_equal(s.asked[APP_CALL_CAMERA], 1);
+    stand_input(&s, "camera");
+    stand_wait_for(&s, "Download hand tracking");
     assert_false(stand_shows(&s, "Use the camera"));
+    assert_false(stand_shows(&s, "in a terminal"));
+    stand_click(&s, "Download hand tracking");
+    assert_int_equal(s.asked[APP_CALL_CAMERA], 2);
+    assert_int_equal(s.notes.camera_port, 9130);
+    s.notes.has_tracker = true;
+    stand_wait_for(&s, "Open camera page");
     stand_check_words(&s, NULL);
     stand_picture(&s, "panel_devices_camera");
+    stand_click(&s, "Show the hand on the stage");
+    assert_true(settings_number(s.settings, APP_CAMERA_PREVIEW, 1.0) == 0.0);
     stand_close(&s);
-    unsetenv("MAROTTE_BROWSER");
-    unsetenv("MAROTTE_CAMERA_PACKAGE");
 }
 
 static void a_recording_runs_and_shows_its_figures(void **state)

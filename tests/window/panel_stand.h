@@ -52,6 +52,7 @@ typedef struct stand {
     uint32_t step_count, all_count; /* all: with those that were undone */
     bool keeps_clay;
     action done;
+    uint32_t asked[APP_CALLS]; /* how often */
     /* the face */
     viewport_use use;
     viewport_stroke stroke;

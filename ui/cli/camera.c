@@ -3,18 +3,14 @@
 #include "cli/command.h"
 #include "cli/facts.h"
 
-#include "base/file.h"
-#include "base/program.h"
-#include "show/hash.h"
+#include "window/app/camera_package.h"
 #include "window/app/camera_page.h"
 
 #include <arpa/inet.h>
-#include <errno.h>
 #include <netinet/in.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 typedef struct camera_options {
@@ -22,119 +18,27 @@ typedef struct camera_options {
     uint32_t port;
 } camera_options;
 
-static const char package_name[] = "@mediapipe/hands";
-static const int64_t npm_patience_ns = 900000000000;
-
-/* Files that the page loads, with their SHA-256 in version CAMERA_PAGE_VERSION of the package. */
-static const struct {
-    const char *name, *sha256;
-} package_file[] = {
-    {"hand_landmark_full.tflite",
-     "8c026882c9ec059ce0f8e75266bee5a9a23c341a40e0000df755374d3d1b9b68"},
-    {"hand_landmark_lite.tflite",
-     "d7fde8ac11f8ce03f8663775bfc323f4fc9f2a38062b4f4efa142874ef5b2a48"},
-    {"hands.binarypb", "ab76c4215fca99cc2db1b5885cb8398d210e59ebe685245f72e692b4b58421e4"},
-    {"hands.js", "a68b21c9553d614384f7f459622e46e02e3c9cfdf7392915a2fa1d615e338473"},
-    {"hands_solution_packed_assets.data",
-     "bdce7b66bfc5b39ba86a47775c98e0b186fe73f8308c2279f852af4c89ffdf42"},
-    {"hands_solution_packed_assets_loader.js",
-     "d05c073a62a0c8d2d21c18bc8f158424ece0078ea00a636e9527083b10ca1e17"},
-    {"hands_solution_simd_wasm_bin.js",
-     "7720172e0775636e64955fb1091958c8294e01aa100c3272b59b2a543c028cb5"},
-    {"hands_solution_simd_wasm_bin.wasm",
-     "78ef7eb86ebc6424ac06b13f89b9a1fc01ff35e07520e37de98887cf88c06653"},
-    {"hands_solution_wasm_bin.js",
-     "2e1faa9965a87f496316e85731c41bde1d9b07dd448f6cd30f5c2262bcd35e29"},
-    {"hands_solution_wasm_bin.wasm",
-     "4e70eaf8063e0e9ac10e682d9d6b55c08d0788f0a8d49925e2e484636526e157"}};
-
 /* ---- the package ---- */
 
-static mrt_result check_file(const char *folder, size_t index, error *err)
-{
-    char path[PATH_MAX + 128], sum[TAKE_HASH];
-    (void)snprintf(path, sizeof path, "%s/node_modules/%s/%s", folder, package_name,
-                   package_file[index].name);
-    mrt_result result = hash_file(sum, path, err);
-    if (result < 0 || strcmp(sum, package_file[index].sha256) == 0)
-        return result;
-    return error_set(err, MRT_ERR_FORMAT, "%s: not the file of %s %s. It is not used", path,
-                     package_name, CAMERA_PAGE_VERSION);
-}
-
-static mrt_result check_package(const char *folder, error *err)
-{
-    for (size_t i = 0; i < sizeof package_file / sizeof package_file[0]; ++i) {
-        mrt_result result = check_file(folder, i, err);
-        if (result < 0)
-            return result;
-    }
-    return MRT_OK;
-}
-
-static mrt_result run_npm(const char *folder, error *err)
-{
-    static const char what[] = "@mediapipe/hands@" CAMERA_PAGE_VERSION;
-    static const char *const word[] = {"npm",          "install",   "--ignore-scripts",
-                                       "--no-audit",   "--no-fund", "--no-update-notifier",
-                                       "--save-exact", "--prefix"};
-    enum { WORDS = sizeof word / sizeof word[0] };
-    char *arguments[WORDS + 3];
-    pid_t pid = 0;
-    int status = 0;
-    for (size_t i = 0; i < WORDS; ++i)
-        arguments[i] = program_argument(word[i]);
-    arguments[WORDS] = program_argument(folder);
-    arguments[WORDS + 1] = program_argument(what);
-    arguments[WORDS + 2] = NULL;
-    const program_start how = {.program = arguments[0],
-                               .words = arguments,
-                               .in = STDIN_FILENO,
-                               .out = STDERR_FILENO, /* npm's output is not part of the facts */
-                               .err = STDERR_FILENO};
-    const int failed = program_spawn(&pid, &how);
-    if (failed)
-        return error_set(err, MRT_ERR_IO, "cannot run npm (%s): install it (apt install npm)",
-                         strerror(failed));
-    if (program_wait(pid, &status, npm_patience_ns) && WIFEXITED(status) &&
-        WEXITSTATUS(status) == 0)
-        return MRT_OK;
-    return error_set(err, MRT_ERR_IO, "npm could not download %s: see its messages above", what);
-}
-
-/* Downloads into a folder beside the final one, checks the files, and then renames the folder. */
 static mrt_result set_up(facts *told, error *err)
 {
-    char folder[PATH_MAX], part[PATH_MAX + 32];
-    mrt_result result = camera_page_package(folder, err);
+    const camera_package *of = camera_package_used;
+    camera_fetch going = {.is_shown = true};
+    char folder[PATH_MAX];
+    mrt_result result = camera_package_folder(folder, err);
     if (result < 0)
         return result;
-    if (check_package(folder, err) >= 0) {
-        facts_text(told, "package", "package", "is complete");
-        facts_text(told, "folder", "folder", folder);
-        return MRT_OK;
-    }
-    if (access(folder, F_OK) == 0)
-        return error_set(
-            err, MRT_ERR_FORMAT,
-            "%s: the files changed since they were downloaded. Remove the folder and try again",
-            folder);
-    (void)snprintf(part, sizeof part, "%s.%d", folder, (int)getpid());
     fprintf(stderr,
-            "downloading %s %s (Apache-2.0, by Google; 24 MB) with npm into\n"
+            "checking %s %s in\n"
             "  %s\n"
-            "It runs only in your browser, and finds hands in the pictures of a webcam.\n",
-            package_name, CAMERA_PAGE_VERSION, folder);
-    result = file_make_folders(part, err);
-    if (result >= 0)
-        result = run_npm(part, err);
-    if (result >= 0)
-        result = check_package(part, err);
-    if (result >= 0 && rename(part, folder) != 0)
-        result = error_set(err, MRT_ERR_IO, "%s: %s", folder, strerror(errno));
+            "What is missing is downloaded: %.0f MB (Apache-2.0, by Google). It runs only in your\n"
+            "browser, and finds hands in the pictures of a webcam.\n",
+            of->name, of->version, folder, 1e-6 * (double)of->archive_size);
+    result = camera_package_fetch(&going, err);
     if (result < 0)
         return result;
-    facts_text(told, "package", "package", "downloaded and checked");
+    facts_text(told, "package", "package",
+               atomic_load(&going.whole) ? "downloaded and checked" : "is complete");
     facts_text(told, "folder", "folder", folder);
     return MRT_OK;
 }
@@ -159,7 +63,7 @@ static mrt_result report(const camera_options *options, facts *told, error *err)
     char address[CAMERA_PAGE_ADDRESS];
     error why;
     facts_text(told, "package", "package",
-               camera_page_has_package() ? "is installed" : "is missing: marotte camera --setup");
+               camera_package_is_there() ? "is installed" : "is missing: marotte camera --setup");
     facts_text(told, "state", "state",
                is_listening(port)
                    ? "open: a browser finds the page at its address"
@@ -206,9 +110,10 @@ const command command_camera = {
         "with it: \"Use the camera\" on the stage, or --input camera. This command checks the\n"
         "setup and prints the address of the page.\n"
         "\n"
-        "  --setup   once: download MediaPipe Hands (the npm package @mediapipe/hands, 24 MB,\n"
-        "            Apache-2.0) into your data folder and check its files. Only this needs npm\n"
-        "            and the network\n"
+        "  --setup   once: download MediaPipe Hands (the npm package @mediapipe/hands, 13 MB,\n"
+        "            Apache-2.0) into your data folder and check its files, with npm or with curl\n"
+        "            and tar. The stage does the same when you press \"Camera\". Only this needs\n"
+        "            the network\n"
         "  --show    open the page in your browser\n"
         "  --port N  the port, as in --input camera:N (9130)\n"
         "  --json    print the facts as JSON\n",

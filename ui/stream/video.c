@@ -562,29 +562,9 @@ struct video_ffmpeg {
 
 /* ---- finding the program ---- */
 
-static bool is_program(const char *path)
-{
-    struct stat status;
-    return stat(path, &status) == 0 && S_ISREG(status.st_mode) && access(path, X_OK) == 0;
-}
-
-static bool find_program(char out[PATH_MAX])
-{
-    const char *at = getenv("PATH");
-    while (at && *at) {
-        int length = (int)strcspn(at, ":");
-        int written = snprintf(out, PATH_MAX, "%.*s%sffmpeg", length, at, length ? "/" : "");
-        if (written > 0 && written < PATH_MAX && is_program(out))
-            return true;
-        at += length;
-        at += *at == ':';
-    }
-    return false;
-}
-
 static mrt_result find(char out[PATH_MAX], const char *path, error *err)
 {
-    if (find_program(out))
+    if (program_on_path(out, "ffmpeg"))
         return MRT_OK;
     return error_set(err, MRT_ERR_UNSUPPORTED,
                      "%s: needs the program ffmpeg, which is not installed (package ffmpeg). "

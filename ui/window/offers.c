@@ -1,4 +1,5 @@
 #include "window/offers.h"
+#include "window/app/camera_package.h"
 
 #include "base/file.h"
 #include "base/installed.h"
@@ -22,6 +23,29 @@ static const struct {
     {"Try a demo hand", "A recorded hand performs in a loop until you remove it."},
     {"Mouse", "Drag the face. Shift holds the pull, Ctrl shapes it like clay."},
 };
+
+/* What the camera needs is downloaded by its first click, which the button says. */
+static const char *title_of(app *of, offer which, char out[32])
+{
+    const bool is_download = which == OFFER_CAMERA && !app_notes_of(of)->has_tracker;
+    (void)snprintf(out, 32, is_download ? "%s (%.0f MB)" : "%s", offers[which].title,
+                   1e-6 * (double)camera_package_used->archive_size);
+    return out;
+}
+
+static const char *help_of(app *of, offer which)
+{
+    return which == OFFER_CAMERA && !app_notes_of(of)->has_tracker
+               ? "Download the hand tracker once (MediaPipe Hands, from the npm registry), then "
+                 "track your bare hand with a webcam, in a page of your browser."
+               : offers[which].help;
+}
+
+/* The way that works here at once is the first choice. */
+static bool is_first_choice(app *of, offer which)
+{
+    return which == (app_notes_of(of)->is_camera_ready ? OFFER_CAMERA : OFFER_DEMO);
+}
 
 /* A face is there, and nothing that an offer would be in the way of. */
 static bool can_be_asked(app *of)
@@ -85,9 +109,10 @@ static void begin_box(ui *on, const char *id, ui_rectangle over, float width, fl
     ui_panel_begin(on, id, box, UI_GROUND_PANEL);
 }
 
-static float width_of(const ui *on, offer which)
+static float width_of(app *of, const ui *on, offer which)
 {
-    return ui_text_width(on, UI_STYLE_BODY, offers[which].title) + 22.0f;
+    char title[32];
+    return ui_text_width(on, UI_STYLE_BODY, title_of(of, which, title)) + 22.0f;
 }
 
 static const struct {
@@ -221,6 +246,7 @@ void offers_draw(app *of, ui *on, ui_rectangle over, bool *is_gone)
 {
     offer list[OFFERS];
     uint32_t count = 0, per_line;
+    char title[32];
     float width = 0.0f;
     if (app_looks_of(of)->panel == APP_RIG || !can_be_asked(of))
         return; /* in Rig the face is worked on, and a draft is offered there */
@@ -237,12 +263,12 @@ void offers_draw(app *of, ui *on, ui_rectangle over, bool *is_gone)
     for (uint32_t i = 0; i < OFFERS; ++i)
         if (is_there(of, (offer)i)) {
             list[count++] = (offer)i;
-            width += width_of(on, (offer)i) + gap;
+            width += width_of(of, on, (offer)i) + gap;
         }
     const bool is_wide = width + 2.0f * padding <= over.width - 24.0f;
     per_line = is_wide ? count : 2;
     if (!is_wide)
-        width = 2.0f * (width_of(on, OFFER_DEMO) + gap);
+        width = 2.0f * (width_of(of, on, OFFER_DEMO) + gap);
     const uint32_t lines = (count + per_line - 1) / per_line;
     const float height = (is_wide ? 34.0f : 12.0f) + (float)lines * pitch;
     width += 2.0f * padding - gap;
@@ -252,11 +278,14 @@ void offers_draw(app *of, ui *on, ui_rectangle over, bool *is_gone)
     for (uint32_t i = 0; i < count; ++i) {
         if (i % per_line)
             ui_same_line(on);
-        if (ui_button(on, offers[list[i]].title, i == 0 ? UI_ACCENT : UI_PLAIN)) {
-            *is_gone = true;
+        ui_disabled_begin(on, list[i] == OFFER_CAMERA && app_notes_of(of)->is_camera_busy);
+        if (ui_button(on, title_of(of, list[i], title),
+                      is_first_choice(of, list[i]) ? UI_ACCENT : UI_PLAIN)) {
+            *is_gone = list[i] != OFFER_CAMERA; /* a download may fail, and is asked for again */
             accept(of, list[i]);
         }
-        ui_hint(on, offers[list[i]].help);
+        ui_disabled_end(on);
+        ui_hint(on, help_of(of, list[i]));
     }
     ui_panel_end(on);
 }

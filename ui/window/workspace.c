@@ -1,5 +1,6 @@
 #include "window/workspace.h"
 #include "window/app/pose_palette.h"
+#include "window/camera_card.h"
 #include "window/dialogs.h"
 #include "window/gui/theme.h"
 #include "window/help.h"
@@ -37,6 +38,7 @@ struct workspace {
     ui *ui;
     viewport *viewport;
     streams *streams;
+    camera_card *camera;
     uint64_t output_edition; /* of app_picture, as the output was opened */
     panel *dock[APP_PANELS], *timeline;
     ui_screen screen;
@@ -755,7 +757,8 @@ static mrt_result create_parts(workspace *self, error *err)
     if (!self->streams)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
     self->timeline = panel_timeline.create(self->app);
-    bool is_whole = self->timeline != NULL;
+    self->camera = camera_card_create(self->app);
+    bool is_whole = self->timeline && self->camera;
     for (uint32_t i = 0; i < APP_PANELS; ++i) {
         self->dock[i] = dock_types[i]->create(self->app);
         is_whole &= self->dock[i] != NULL;
@@ -789,6 +792,7 @@ void workspace_destroy(workspace *self)
             dock_types[i]->destroy(self->dock[i]);
     if (self->timeline)
         panel_timeline.destroy(self->timeline);
+    camera_card_destroy(self->camera);
     app_set_viewport(self->app, NULL);
     viewport_destroy(self->viewport);
     streams_destroy(self->streams);
@@ -958,6 +962,8 @@ static void draw_panels(workspace *self, const workspace_layout *at)
     if (at->card.width > 0.0f)
         hand_panel_draw_card(self->dock[APP_HAND], self->ui, at->card);
     if (at->has_bar)
+        camera_card_draw(self->camera, self->ui, at->face);
+    if (at->has_bar)
         offers_draw(self->app, self->ui, above_news, &self->is_offered);
     workspace_draw_news(self, at->face);
     if (app_looks_of(self->app)->is_helping)
@@ -975,6 +981,7 @@ static void update_panels(workspace *self, double dt_s)
             dock_types[i]->update(self->dock[i], dt_s);
     if (panel_timeline.update)
         panel_timeline.update(self->timeline, dt_s);
+    camera_card_update(self->camera, dt_s);
 }
 
 static void take_requests(workspace *self)

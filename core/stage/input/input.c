@@ -887,3 +887,8 @@ const char *input_state_name(input_state state)
     }
     return "unknown";
 }
+
+bool input_sight(input *self, hand_sight *out)
+{
+    return instance_sight(&self->plugin, out);
+}

@@ -121,5 +121,7 @@ uint32_t input_refused(const input *self);
 /* [any but frame] Copies the newest report. All zero on a virtual clock. */
 void input_health(const input *self, health_report *out);
 const char *input_state_name(input_state state); /* "running" */
+/* [any but frame] Copies the hand that a camera or a headset saw last. False: none yet. */
+bool input_sight(input *self, hand_sight *out);
 
 #endif

@@ -79,8 +79,19 @@ static void host_request_restart(const mrt_host *host)
 static void read_landmarks(const mrt_host *host, const mrt_landmarks *seen,
                            mrt_hand_reading *reading)
 {
-    const instance *self = host->data;
+    instance *self = host->data;
     services_read_landmarks(&self->reader, seen, reading);
+    pthread_mutex_lock(&self->mutex);
+    self->sight = (hand_sight){*seen, reading->confidence, clock_now_ns()};
+    pthread_mutex_unlock(&self->mutex);
+}
+
+bool instance_sight(instance *self, hand_sight *out)
+{
+    pthread_mutex_lock(&self->mutex);
+    *out = self->sight;
+    pthread_mutex_unlock(&self->mutex);
+    return out->time_ns > 0;
 }
 
 static const void *host_service(const mrt_host *host, const char *id)

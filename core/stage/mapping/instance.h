@@ -17,11 +17,19 @@ typedef enum instance_clock {
                        possible */
 } instance_clock;
 
+/* A hand as an input saw it last: landmarks that it had converted to angles. */
+typedef struct hand_sight {
+    mrt_landmarks seen;
+    float confidence; /* of the conversion, 0..1 */
+    int64_t time_ns;  /* of the conversion, of the real clock; 0: none yet */
+} hand_sight;
+
 typedef struct instance {
     const mrt_plugin_type *type; /* must be first, see services.h */
     mrt_plugin *self;
     mrt_host host;
     services_reader reader; /* created when the plugin requests it */
+    hand_sight sight;       /* guarded by `mutex` */
     log_queue *log;         /* borrowed */
     instance_clock clock;
     int64_t virtual_ns;
@@ -32,7 +40,7 @@ typedef struct instance {
     log_once *already_logged;   /* of the listener: texts that are not logged again; or NULL */
     bool can_restart;           /* the caller uses instance_pop_restart */
     _Atomic bool restart_asked;
-    pthread_mutex_t mutex; /* guards `stopping` during a wait */
+    pthread_mutex_t mutex; /* guards `sight`, and `stopping` during a wait */
     pthread_cond_t wake;
     bool stopping;
     const _Atomic bool *stop; /* borrowed; like `stopping`, but polled; or NULL */
@@ -91,6 +99,9 @@ void instance_deactivate(instance *self);
 /* [thread that calls the plugin] Returns whether the plugin requested a restart since the last
  * call. */
 bool instance_pop_restart(instance *self);
+
+/* [any] Copies the last hand that the plugin had converted (MRT_LANDMARKS). False: none yet. */
+bool instance_sight(instance *self, hand_sight *out);
 
 /* [any] Ends the current wait of the plugin and all later ones immediately. A wait that returns
  * early tells the plugin that the host is stopping. */

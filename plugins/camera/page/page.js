@@ -79,7 +79,7 @@ function hear(message) {
   hasPackage = message.package;
   light('link', 'good', 'marotte is listening');
   trouble('package', hasPackage ? '' :
-    'The hand detector is not installed. Run this once in a terminal:\n  marotte camera --setup\n' +
+    'The hand tracker is not installed. Press "Camera" on the stage of marotte: it downloads the tracker.\n' +
     'This page continues when it is installed.');
   startButton.disabled = !hasPackage || inHeadset;
   headsetButton.disabled = inHeadset;

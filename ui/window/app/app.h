@@ -75,8 +75,9 @@ const face_file *app_face(const app *self);
 const char *app_face_path(const app *self);
 show *app_show(app *self); /* NULL: none could be opened */
 settings *app_settings(app *self);
-#define APP_REZERO_PEDAL "hands.rezero_pedal" /* of the settings: 1..4; 0: none re-zeroes */
-news_list *app_news(app *self);               /* messages, for the panel Log and the status line */
+#define APP_CAMERA_PREVIEW "camera.preview"     /* of the settings: 0: no hand on the stage */
+#define APP_REZERO_PEDAL   "hands.rezero_pedal" /* of the settings: 1..4; 0: none re-zeroes */
+news_list *app_news(app *self); /* messages, for the panel Log and the status line */
 
 /* Shows an error in the news, and returns `result`. All functions below do the same with their
  * errors, but those that have an `err`. */
@@ -360,7 +361,7 @@ void app_clear_pulls(app *self);
 
 /* A request of one part of the window to another; app_take_call is true once for each. */
 typedef enum app_call {
-    APP_CALL_CAMERA = 0, /* the camera and its page, of the devices panel */
+    APP_CALL_CAMERA = 0, /* the camera and its page, of the card on the stage */
     APP_CALL_PICTURE,    /* the dialog that opens a picture behind the face */
     APP_CALL_DRAFT,      /* a first rig for the face, which has none, of the rig panel */
     APP_CALLS
@@ -391,6 +392,11 @@ typedef struct app_notes {
     bool is_drafting;         /* by the rig panel: a first rig is being found */
     bool is_mouth_asked;      /* by the rig panel: it waits for mouth_answer */
     app_mouth mouth_answer;   /* set by the caller; the panel Rig clears it */
+    bool has_tracker;         /* by the camera's card: its hand tracker is on this computer */
+    bool is_camera_ready;     /* the same, and a browser for its page */
+    bool is_camera_busy;      /* the same: it downloads, or opens the camera */
+    uint16_t
+        camera_port;     /* of the page that APP_CALL_CAMERA opens; 0: of the camera that is open */
     bool is_rig_pending; /* set by the panel Rig: the changed rig is not on the face yet, and pulls
                             wait for it */
 } app_notes;

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 enum { TOKEN = 32, LONGEST_TOKEN = 256 };
@@ -45,7 +46,8 @@ mrt_result camera_page_address(char out[CAMERA_PAGE_ADDRESS], uint16_t port, err
                : error_set(err, MRT_ERR_FORMAT, "%s: was not written by marotte: remove it", path);
 }
 
-/* xdg-open returns immediately, even if it starts a browser that keeps running. */
+/* xdg-open returns immediately, even if it starts a browser that keeps running; what
+ * $MAROTTE_BROWSER names may be the browser itself. */
 mrt_result camera_page_show(uint16_t port, error *err)
 {
     char address[CAMERA_PAGE_ADDRESS];
@@ -57,30 +59,55 @@ mrt_result camera_page_show(uint16_t port, error *err)
     pid_t pid = 0;
     int status = 0;
     char *const words[] = {program_argument(program), address, NULL};
-    const program_start how = {.program = program, .words = words, .in = -1, .out = -1, .err = -1};
+    const program_start how = {.program = program,
+                               .words = words,
+                               .in = -1,
+                               .out = -1,
+                               .err = -1,
+                               .signals = PROGRAM_USUAL_SIGNALS};
     const int failed = program_spawn(&pid, &how);
     if (failed)
         return error_set(err, MRT_ERR_IO, "cannot run %s (%s): open %s in a browser", program,
                          strerror(failed), address);
-    (void)program_wait(pid, &status, patience_ns);
+    if (program_ends_within(pid, &status, patience_ns) &&
+        !(WIFEXITED(status) && WEXITSTATUS(status) == 0))
+        return error_set(err, MRT_ERR_IO, "%s found no browser. Open %s in a browser", program,
+                         address);
     return MRT_OK;
 }
 
-mrt_result camera_page_package(char out[PATH_MAX], error *err)
+/* Writes the first letters that the program prints. */
+static bool read_program(char *out, size_t capacity, char *const *words)
 {
-    return file_home_path(out, PATH_MAX, FILE_HOME_DATA, "camera", err);
+    int end[2], status = 0;
+    pid_t pid = 0;
+    error err;
+    out[0] = '\0';
+    if (program_pipe(end, &err) < 0)
+        return false;
+    const program_start how = {
+        .program = words[0], .words = words, .in = -1, .out = end[1], .err = -1};
+    const bool runs = program_spawn(&pid, &how) == 0;
+    close(end[1]);
+    const bool has_ended = runs && program_wait(pid, &status, patience_ns);
+    const ssize_t size = has_ended ? read(end[0], out, capacity - 1) : 0;
+    out[size > 0 ? size : 0] = '\0';
+    close(end[0]);
+    return size > 0;
 }
 
-bool camera_page_has_package(void)
+bool camera_page_has_browser(void)
 {
-    char folder[PATH_MAX], path[PATH_MAX + 64];
-    const char *own = getenv("MAROTTE_CAMERA_PACKAGE");
-    error err;
+    char path[PATH_MAX], text[256];
+    const char *own = getenv("MAROTTE_BROWSER"), *usual = getenv("BROWSER");
     if (own && own[0])
-        (void)snprintf(path, sizeof path, "%s/hands.js", own);
-    else if (camera_page_package(folder, &err) < 0)
+        return program_on_path(path, own);
+    if (!program_on_path(path, "xdg-open"))
         return false;
-    else
-        (void)snprintf(path, sizeof path, "%s/node_modules/@mediapipe/hands/hands.js", folder);
-    return access(path, R_OK) == 0;
+    if ((usual && usual[0]) || program_on_path(path, "x-www-browser"))
+        return true;
+    char *const words[] = {program_argument("xdg-mime"), program_argument("query"),
+                           program_argument("default"), program_argument("x-scheme-handler/http"),
+                           NULL};
+    return program_on_path(path, words[0]) && read_program(text, sizeof text, words);
 }

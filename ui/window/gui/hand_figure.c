@@ -17,6 +17,12 @@ enum { FINGERS = 5, JOINTS_A_FINGER = 4, BONES = FINGERS * JOINTS_A_FINGER };
 #define STILL_WIDE_MM 165.0f
 #define STILL_HIGH_MM 210.0f
 
+/* Of a hand that is seen: from the wrist to the middle knuckle, and from there to the farthest
+ * fingertip. */
+#define PALM_MM   95.0f
+#define AROUND_MM 125.0f
+enum { WRIST = 0, MIDDLE_KNUCKLE = 9 };
+
 typedef struct bone {
     float from[2], to[2]; /* points on the screen */
     float near;           /* 0 far .. 1 near */
@@ -143,4 +149,24 @@ void hand_figure_joints(ui_rectangle where, const hand_skeleton *of, const float
         out_xy[i][0] = still.x + still.scale * at[i].x;
         out_xy[i][1] = still.y - still.scale * at[i].y;
     }
+}
+
+void hand_figure_draw_seen(ui *on, ui_rectangle where, const mrt_vec3 at[MRT_JOINTS],
+                           uint32_t colour)
+{
+    const mrt_vec3 wrist = at[WRIST], middle = at[MIDDLE_KNUCKLE];
+    const float palm = sqrtf((wrist.x - middle.x) * (wrist.x - middle.x) +
+                             (wrist.y - middle.y) * (wrist.y - middle.y) +
+                             (wrist.z - middle.z) * (wrist.z - middle.z));
+    projected seen[MRT_JOINTS];
+    if (!(palm > 0.0f))
+        return;
+    const float mm = PALM_MM / palm;
+    for (int i = 0; i < MRT_JOINTS; ++i)
+        seen[i] = (projected){mm * (middle.x - at[i].x), mm * (at[i].y - middle.y),
+                              mm * (at[i].z - middle.z)};
+    const figure as_seen = {.x = where.x + 0.5f * where.width,
+                            .y = where.y + 0.5f * where.height,
+                            .scale = 0.5f * fminf(where.width, where.height) / AROUND_MM};
+    draw_figure(on, &as_seen, seen, colour);
 }

@@ -5,6 +5,7 @@
 #include "window/panels/panels.h"
 #include "window/app/app.h"
 #include "window/app/camera_page.h"
+#include "window/panels/calibrate_guide.h"
 
 #include "base/clock.h"
 #include "base/condition.h"
@@ -352,7 +353,6 @@ struct panel {
     uint32_t opening_count, input_count;
     input_meter meter[METERS];
     bool repeats;                    /* loop recordings */
-    bool shows_page;                 /* open the camera page when the input is ready */
     char remote[APP_REMOTE_ADDRESS]; /* address as typed */
     char streams[512];
     char trouble[1024];    /* error of the last action; may be "" */
@@ -361,8 +361,6 @@ struct panel {
 };
 
 /* ---- actions ---- */
-
-static const char *const calibration_key[2] = {"hands.calibration.left", "hands.calibration.right"};
 
 /* Reports an error in the panel and in the log panel. */
 static void report_trouble(panel *self, const char *text)
@@ -390,12 +388,8 @@ static void remove_input(panel *self, uint32_t index)
 static void calibrate(panel *self, uint32_t side, const char *path)
 {
     error err = {""};
-    if (live_calibrate(app_live(self->app), side, path[0] ? path : NULL, &err) < 0) {
-        report_trouble(self, err.text);
-        return;
-    }
-    report_trouble(self, "");
-    settings_set_text(app_settings(self->app), calibration_key[side], path);
+    mrt_result result = calibrate_use(self->app, side, path, &err);
+    report_trouble(self, result < 0 ? err.text : "");
 }
 
 /* ---- open inputs ---- */
@@ -638,50 +632,36 @@ static bool is_camera(const input *of)
     return strcmp(input_plugin(of)->id, CAMERA_PAGE_PLUGIN) == 0;
 }
 
-static void draw_camera_card(panel *self, ui *on, const char *input_text)
+/* The card on the stage does all of it. port 0: of the open camera, which is opened if necessary.
+ */
+static void ask_camera(panel *self, uint16_t port)
 {
-    error err = {""};
-    if (ui_button(on, "Open camera page", UI_PLAIN) &&
-        camera_page_show(camera_page_port(input_text), &err) < 0)
-        report_trouble(self, err.text);
-    ui_hint(on, "Open the page in your browser, then start the camera there and show a hand.");
-    if (!camera_page_has_package())
-        ui_text_wrapped(
-            on, UI_STYLE_WARNING,
-            "Hand tracking is not installed. Run this once in a terminal: marotte camera --setup");
+    app_notes_of(self->app)->camera_port = port;
+    app_ask(self->app, APP_CALL_CAMERA);
 }
 
-/* Opens the camera input. follow_camera opens its page when the input has an address. */
-static void use_camera(panel *self)
+static void draw_camera_card(panel *self, ui *on, const char *input_text)
 {
-    self->shows_page = true;
-    open_input(self, "camera");
+    settings *kept = app_settings(self->app);
+    bool is_shown = settings_number(kept, APP_CAMERA_PREVIEW, 1.0) > 0.0;
+    const bool has_tracker = app_notes_of(self->app)->has_tracker;
+    if (ui_button(on, has_tracker ? "Open camera page" : "Download hand tracking", UI_PLAIN))
+        ask_camera(self, camera_page_port(input_text));
+    ui_hint(on,
+            has_tracker
+                ? "Open the page in your browser, then start the camera there and show a hand."
+                : "Download the hand tracker once (13 MB), then open the page in your browser.");
+    if (ui_check(on, "Show the hand on the stage", &is_shown))
+        settings_set_number(kept, APP_CAMERA_PREVIEW, is_shown ? 1.0 : 0.0);
+    ui_hint(on, "Show in a corner of the stage how the camera sees your hand.");
 }
 
 static void draw_use_camera(panel *self, ui *on)
 {
     if (ui_button(on, "Use the camera", UI_PLAIN))
-        use_camera(self);
+        ask_camera(self, 0);
     ui_hint(on, "Track a bare hand with a webcam, on a page in your browser.");
     ui_space(on, 4.0f);
-}
-
-static void follow_camera(panel *self)
-{
-    live *stage = app_live(self->app);
-    if (!self->shows_page)
-        return;
-    for (uint32_t i = 0; i < live_input_count(stage); ++i) {
-        error err = {""};
-        if (!is_camera(live_input(stage, i)))
-            continue;
-        self->shows_page = false;
-        if (camera_page_show(camera_page_port(live_input_text(stage, i)), &err) < 0)
-            report_trouble(self, err.text);
-        return;
-    }
-    if (app_openings(self->app, self->opening) == 0 && app_opening_trouble(self->app)[0])
-        self->shows_page = false; /* opening failed; draw_trouble shows the error */
 }
 
 static const input_meter *read_meter(panel *self, ui *on, uint32_t index)
@@ -1085,9 +1065,6 @@ static void update(panel *self, double dt_s)
     (void)dt_s;
     follow_rezeros(self);
     follow_inputs(self);
-    if (app_take_call(self->app, APP_CALL_CAMERA))
-        use_camera(self);
-    follow_camera(self);
     calibrate_panel_update(self->calibrate);
     const char *kept = calibrate_panel_pop_saved(self->calibrate, &side);
     if (!kept)
@@ -1105,17 +1082,7 @@ static void use_settings(panel *self)
     double pedal = settings_number(kept, APP_REZERO_PEDAL, 0.0);
     if (pedal >= 1.0 && pedal <= MRT_MAX_PEDALS)
         live_set_rezero_pedal(stage, (uint32_t)pedal);
-    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
-        const char *path = settings_text(kept, calibration_key[side], NULL);
-        const char *used = live_calibration(stage, side);
-        if (!path || (used && strcmp(used, path) == 0))
-            continue;
-        char copy[DEVICES_PATH];
-        (void)snprintf(copy, sizeof copy, "%s", path);
-        error err = {""};
-        if (live_calibrate(stage, side, copy[0] ? copy : NULL, &err) < 0)
-            news_list_add(app_news(self->app), MRT_LOG_WARNING, "devices", err.text);
-    }
+    calibrate_use_kept(self->app);
 }
 
 static void destroy(panel *self)
