@@ -288,6 +288,11 @@ void app_keep(app *self, int64_t from_ns, int64_t to_ns);
 CHECKED mrt_result app_attach_voice(app *self, const char *path);
 double app_voice_part(const app *self); /* 0..1: progress of reading a voice; < 0: none */
 
+/* Marks of this run that were set while hands performed, oldest first, on the host's clock; the
+ * newest APP_MARKS_MAX. They become markers of the takes that contain them. */
+enum { APP_MARKS_MAX = 256 };
+uint32_t app_marks_of(const app *self, const int64_t **out_at_ns);
+
 /* ---- exports ---- */
 
 /* Exports in a process of its own, after the exports asked for before; the news tell how it ended.
