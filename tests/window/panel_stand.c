@@ -117,10 +117,22 @@ const char *app_picture_says(const app *self, uint32_t *out_streams)
     return "";
 }
 
+void app_ask(app *self, app_call of)
+{
+    (void)self;
+    here->asked[of] = true;
+}
+
 bool app_take_call(app *self, app_call of)
 {
     (void)self, (void)of;
     return false;
+}
+
+bool app_demo_hand(char out[APP_DEMO_TEXT])
+{
+    (void)snprintf(out, APP_DEMO_TEXT, "log:%s/plugins/log/demo_hand.csv,loop=1", SOURCE_DIR);
+    return true;
 }
 
 app_patch_aim *app_patch_aimed(app *self)

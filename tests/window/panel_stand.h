@@ -51,6 +51,7 @@ typedef struct stand {
     undo_change step[STAND_STEPS];
     uint32_t step_count, all_count; /* all: with those that were undone */
     action done;
+    bool asked[APP_CALLS]; /* by a panel, of the others */
     /* the face */
     viewport_use use;
     viewport_stroke stroke;

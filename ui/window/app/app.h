@@ -135,6 +135,9 @@ CHECKED mrt_result app_save_rig_as(app *self, const char *path, error *err);
  * stage when it is open, but not before the end of a take that is being recorded. Its errors come
  * later, in the news and by app_opening_trouble. */
 CHECKED mrt_result app_open_input(app *self, const char *text);
+/* Writes the text of the input that repeats the recorded demo hand. False: it is not installed. */
+enum { APP_DEMO_TEXT = 4096 + 16 };
+CHECKED bool app_demo_hand(char out[APP_DEMO_TEXT]);
 uint32_t app_openings(app *self, input_opening out[INPUT_OPENINGS_MAX]);
 void app_give_up_opening(app *self, uint64_t id);
 /* Why the input that was opened last did not join; "": it did. */
@@ -366,6 +369,7 @@ void app_clear_pulls(app *self);
 /* A request of one part of the window to another; app_take_call is true once for each. */
 typedef enum app_call {
     APP_CALL_CAMERA = 0, /* the camera and its page, of the devices panel */
+    APP_CALL_RECORDING,  /* the dialog that opens a recorded hand */
     APP_CALL_PICTURE,    /* the dialog that opens a picture behind the face */
     APP_CALL_DRAFT,      /* a first rig for the face, which has none, of the rig panel */
     APP_CALLS
