@@ -76,13 +76,13 @@ static void send_at(uint32_t width, uint32_t height, const char *picture)
     }
     scene_look(&s, picture);
     scene_click_word(&s, "Start sending");
+    scene_push(&s, (ui_event){.kind = UI_EVENT_WHEEL, .y = 20.0f});
+    scene_settle(&s);
     assert_true(scene_until(&s, has_face, &receiver));
     (void)snprintf(address, sizeof address, "127.0.0.1:%s", port);
     assert_true(scene_until(&s, is_said, address));
     assert_true(scene_until(&s, is_said, sent));
     scene_check_words(&s);
-    scene_push(&s, (ui_event){.kind = UI_EVENT_WHEEL, .y = 20.0f});
-    scene_settle(&s);
     scene_look(&s, picture);
     scene_click_word(&s, "Close");
     assert_null(scene_word_with(&s, address));

@@ -468,7 +468,8 @@ static const mrt_card_line *line_of_key(const mrt_card_line *line, uint32_t coun
 /* Returns the lines of the mapping that performs. NULL: it does not describe what it does. */
 static const mrt_card_line *lines_of(const virtual_hand *self, uint32_t *out_count)
 {
-    const instance *mapping = live_mapping(app_live(self->of));
+    live *stage = app_live(self->of);
+    const instance *mapping = stage ? live_mapping(stage) : NULL;
     const mrt_hand_card *card =
         mapping ? plugin_interface(isolate_inner(mapping->type), MRT_HAND_CARD) : NULL;
     double value[MAPPING_VALUES];
