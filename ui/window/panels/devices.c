@@ -856,8 +856,10 @@ static void draw_recording(panel *self, ui *on)
     ui_hint(on, "Open a .csv table of joint angles or sensor counts, or a recording of GraspDB14.");
     ui_same_line(on);
     ui_width(on, button);
-    if (ui_button(on, self->path[0] ? "Open##recording" : "Browse##recording", UI_PLAIN) ||
-        is_entered)
+    const bool is_pressed =
+        ui_button(on, self->path[0] ? "Open##recording" : "Browse##recording", UI_PLAIN);
+    ui_hint(on, self->path[0] ? "Open this recording." : "Choose a recording of a hand.");
+    if (is_pressed || is_entered)
         open_recording(self);
     (void)ui_check(on, "Loop", &self->repeats);
     ui_hint(on, "Play the recording again from the start when it ends.");
