@@ -144,7 +144,10 @@ static void describe_marker(char out[EDIT_TEXT], const edit *e, const take *t)
         (void)snprintf(name.text, sizeof name.text, "marker '%.40s'", t->marker[e->marker].text);
     switch (e->kind) {
     case EDIT_MARKER_ADD:
-        (void)snprintf(out, EDIT_TEXT, "mark %.30s s '%.95s'", seconds(e->at_ns).text, e->text);
+        if (e->text[0])
+            (void)snprintf(out, EDIT_TEXT, "mark %.30s s '%.95s'", seconds(e->at_ns).text, e->text);
+        else
+            (void)snprintf(out, EDIT_TEXT, "mark %.30s s", seconds(e->at_ns).text);
         break;
     case EDIT_MARKER_MOVE:
         (void)snprintf(out, EDIT_TEXT, "move %s to %.30s s", name.text, seconds(e->at_ns).text);

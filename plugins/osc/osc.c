@@ -119,7 +119,7 @@ static bool goes_on(const osc_input *self, const osc_address *address, const dou
         self->address.has_source != address->has_source ||
         strcmp(self->address.source, address->source) != 0)
         return false;
-    return address->has_source ||
+    return address->has_source || self->listener.is_adopted ||
            (self->listener.side == side_of(params) && self->listener.content == content_of(params));
 }
 
@@ -266,7 +266,7 @@ static const mrt_channel *input_channels(mrt_plugin *plugin, uint32_t *out_count
 static void follow_params(osc_input *self, const double *params)
 {
     const osc_listener *listener = &self->listener;
-    if (self->address.has_source || self->has_asked_to_restart ||
+    if (self->address.has_source || listener->is_adopted || self->has_asked_to_restart ||
         (listener->side == side_of(params) && listener->content == content_of(params)))
         return;
     self->has_asked_to_restart = true;
@@ -341,6 +341,8 @@ static const char *loss_of(const osc_listener *listener)
 {
     if (listener->has_ended)
         return "the sender stopped: waiting for it";
+    if (listener->has_other_channels && listener->is_adopted && !listener->has_heard)
+        return "another marotte forwards a device: its channels are used";
     if (listener->has_other_channels)
         return "the sender's channels changed: opening the input again";
     return NULL;

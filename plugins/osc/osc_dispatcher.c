@@ -500,6 +500,28 @@ static bool admits(osc_dispatcher *self, osc_source *source)
     return false;
 }
 
+/* A listener to simple messages that has not received any follows the source instead. Its channels
+ * change, so the input is opened again. */
+static void adopt_source(osc_dispatcher *self, const osc_source *source)
+{
+    for (osc_listener *l = self->listeners; l; l = l->next)
+        if (!l->is_forwarded && !l->has_heard && l->content == OSC_CONTENT_PEDALS) {
+            l->is_forwarded = l->is_adopted = l->has_other_channels = true;
+            snprintf(l->wanted, sizeof l->wanted, "%s", source->name);
+            snprintf(l->bound, sizeof l->bound, "%s", source->name);
+            return;
+        }
+}
+
+/* Returns whether a listener of this source follows it, or waits for it. */
+static bool is_wanted(const osc_dispatcher *self, const osc_source *source)
+{
+    for (const osc_listener *l = self->listeners; l; l = l->next)
+        if (osc_listener_wants(l, source->name))
+            return true;
+    return false;
+}
+
 static void take_channels(osc_dispatcher *self)
 {
     osc_source *source = slot_for_source(self, self->event.source);
@@ -511,6 +533,8 @@ static void take_channels(osc_dispatcher *self)
     if (!admits(self, source))
         return;
     source_take_table(source, &self->event.table);
+    if (!is_wanted(self, source))
+        adopt_source(self, source);
     for (osc_listener *l = self->listeners; l; l = l->next)
         if (osc_listener_wants(l, source->name))
             listener_take_table(l, source);

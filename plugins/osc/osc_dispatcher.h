@@ -68,9 +68,10 @@ typedef struct osc_listener {
 
     bool has_heard, has_sample;
     int64_t heard_ns, pedal_heard_ns; /* time of the last accepted message */
-    bool has_ended;                   /* forwarded: the sender announced its end */
-    bool has_other_channels;          /* forwarded: they differ from `table` */
-    osc_item item[OSC_QUEUE_ITEMS];   /* ring */
+    bool is_adopted; /* it began with simple messages, and follows a source that was forwarded */
+    bool has_ended;  /* forwarded: the sender announced its end */
+    bool has_other_channels;        /* forwarded: they differ from `table` */
+    osc_item item[OSC_QUEUE_ITEMS]; /* ring */
     uint32_t first, count;
 } osc_listener;
 

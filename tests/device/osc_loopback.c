@@ -287,6 +287,31 @@ static bool reopens(input_host *node, const char *address)
     return true;
 }
 
+/* The port alone is enough: with nothing else there, what is forwarded is what is meant. */
+static void a_port_without_a_source_follows_what_is_forwarded_to_it(void **state)
+{
+    wire *w = *state;
+    mrt_sample sample;
+    uint32_t count;
+    assert_int_equal(input_host_open(w->in, w->from[0]), MRT_OK);
+    assert_int_equal(input_host_read(w->in, 50 * ms_ns, &sample), MRT_TIMEOUT);
+    assert_int_equal(osc_node_open_output(w->out, w->to), MRT_OK);
+    write_as(w, "glove", 0, 0);
+    mrt_result result = MRT_TIMEOUT;
+    for (int i = 0; i < 100 && result == MRT_TIMEOUT; ++i)
+        result = input_host_read(w->in, s_ns, &sample);
+    assert_int_equal(result, MRT_ERR_IO); /* its channels are others now */
+    assert_true(reopens(w->in, w->from[0]));
+    const mrt_channel *channel = w->in->input->channels(w->in->plugin, &count);
+    assert_int_equal(count, 3);
+    assert_string_equal(channel[0].name, glove[0].name);
+    write_as(w, "glove", 1, 0);
+    do
+        assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_OK);
+    while (sample.value[0] < 1.0f);
+    assert_true(sample.value[0] == 1.1f);
+}
+
 static void a_killed_sender_leaves_no_pedal_down_and_may_come_back(void **state)
 {
     wire *w = *state;
@@ -572,6 +597,7 @@ int main(void)
         NETWORK_TEST(read_waits_for_its_deadline_and_does_not_spin),
         NETWORK_TEST(two_hands_share_a_port),
         NETWORK_TEST(two_sources_are_read_by_two_threads_at_one_port),
+        NETWORK_TEST(a_port_without_a_source_follows_what_is_forwarded_to_it),
         NETWORK_TEST(a_killed_sender_leaves_no_pedal_down_and_may_come_back),
         NETWORK_TEST(a_sender_that_closes_is_followed_by_the_next_at_once),
         NETWORK_TEST(a_pedal_held_down_stays_down),

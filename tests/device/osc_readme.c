@@ -90,6 +90,7 @@ static void the_forwarding_examples_are_taken_as_messages(void **state)
     snprintf(address, sizeof address, "%u", (unsigned)port);
     input_host *watch = osc_node_create(); /* takes all that comes to the port */
     watch->params[OSC_SILENCE] = 0;
+    watch->params[OSC_CONTENT] = 1; /* a content that was chosen follows no source */
     assert_int_equal(input_host_open(watch, address), MRT_OK);
     mrt_sample sample;
     send_example(line[5], port);

@@ -134,15 +134,54 @@ static void a_recording_is_opened_by_its_path(void **state)
     stand s = {.input_count = 0};
     stand_open(&s, &panel_devices, 1.0f);
     stand_plugin(&s, "plugins/log");
-    stand_click(&s, "Open");
-    assert_true(stand_shows(&s, "Choose a recording"));
+    assert_false(s.asked[APP_CALL_RECORDING]);
+    stand_click(&s, "Browse"); /* without a path it asks for one */
+    assert_true(s.asked[APP_CALL_RECORDING]);
     stand_click(&s, "path of a log file");
-    stand_type(&s, SOURCE_DIR "/plugins/log/demo_hand.csv");
+    stand_type(&s, "/a, comma.csv");
     stand_key(&s, UI_KEY_ENTER);
-    stand_click(&s, "Open");
+    assert_int_equal(s.input_count, 0);
+    assert_true(stand_shows(&s, "contains a comma"));
+    stand_click(&s, "/a, comma.csv");
+    stand_type(&s, SOURCE_DIR "/plugins/log/demo_hand.csv");
+    stand_key(&s, UI_KEY_ENTER); /* opens */
     assert_int_equal(s.input_count, 1);
+    stand_settle(&s);
+    assert_false(stand_shows(&s, "contains a comma"));
     assert_true(strstr(s.input_text[0], ",loop=1") != NULL);
     stand_wait_for(&s, "running");
+    stand_close(&s);
+}
+
+static void the_demo_hand_is_always_offered(void **state)
+{
+    (void)state;
+    stand s = {.input_count = 0};
+    stand_open(&s, &panel_devices, 1.0f);
+    stand_plugin(&s, "plugins/log");
+    stand_click(&s, "Demo hand");
+    assert_int_equal(s.input_count, 1);
+    assert_non_null(strstr(s.input_text[0], "demo_hand.csv,loop=1"));
+    stand_wait_for(&s, "running");
+    assert_true(stand_shows(&s, "Demo hand"));
+    stand_check_words(&s, (const char *const[]){"log demo_hand.csv", NULL});
+    stand_close(&s);
+}
+
+/* Something else that was opened, by whatever way, ends what was said of a failure. */
+static void an_error_goes_away_when_an_input_is_opened(void **state)
+{
+    (void)state;
+    stand s = {.input_count = 0};
+    stand_open(&s, &panel_devices, 1.0f);
+    stand_plugin(&s, "plugins/log");
+    stand_click(&s, "path of a log file");
+    stand_type(&s, "/a, comma.csv");
+    stand_key(&s, UI_KEY_ENTER);
+    assert_true(stand_shows(&s, "contains a comma"));
+    stand_input(&s, demo);
+    stand_settle(&s);
+    assert_false(stand_shows(&s, "contains a comma"));
     stand_close(&s);
 }
 
@@ -299,6 +338,8 @@ int main(void)
         cmocka_unit_test(remove_closes_the_input),
         cmocka_unit_test(what_is_refused_is_said_in_the_panel_and_in_the_news),
         cmocka_unit_test(a_recording_is_opened_by_its_path),
+        cmocka_unit_test(the_demo_hand_is_always_offered),
+        cmocka_unit_test(an_error_goes_away_when_an_input_is_opened),
         cmocka_unit_test(a_refused_rezero_says_why_until_one_works),
         cmocka_unit_test(the_rezero_pedal_is_kept_between_runs),
         cmocka_unit_test(a_glove_in_counts_is_read_with_a_calibration_of_its_hand),

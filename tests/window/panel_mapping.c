@@ -347,6 +347,34 @@ static void what_is_taught_is_drawn_as_a_hand_above_its_button(void **state)
     stand_close(&s);
 }
 
+/* One wrong click is taken back. */
+static void what_was_taught_is_undone(void **state)
+{
+    static unsigned char shipped[TAUGHT_BYTES_MAX], taught[TAUGHT_BYTES_MAX], now[TAUGHT_BYTES_MAX];
+    (void)state;
+    stand s = {.input_count = 0};
+    open_with(&s, "poses", 1.0f);
+    const mrt_mapping *functions = plugin_interface(s.mapping.type, MRT_MAPPING);
+    assert_true(functions->activate(s.mapping.self, &about) >= 0);
+    functions->reset(s.mapping.self);
+    const size_t size = lessons_of(&s, shipped);
+    stand_click(&s, "Teach smile");
+    hold_and_press(&s, "Teach smile");
+    assert_int_equal(lessons_of(&s, taught), size);
+    assert_memory_not_equal(taught, shipped, size);
+    for (int i = 0; i < 60 && s.step_count == 0; ++i)
+        stand_frame(&s);
+    assert_int_equal(s.step_count, 1);
+    assert_non_null(strstr(s.step[0].words, "Teach smile"));
+    assert_true(s.step[0].set(s.step[0].owner, s.step[0].before) >= 0);
+    (void)lessons_of(&s, now);
+    assert_memory_equal(now, shipped, size);
+    assert_true(s.step[0].set(s.step[0].owner, s.step[0].after) >= 0);
+    (void)lessons_of(&s, now);
+    assert_memory_equal(now, taught, size);
+    stand_close(&s);
+}
+
 static void a_preset_keeps_what_was_taught(void **state)
 {
     (void)state;
@@ -534,6 +562,7 @@ int main(void)
         cmocka_unit_test(many_parameters_are_folded_by_group),
         cmocka_unit_test(a_preset_is_saved_used_and_deleted),
         cmocka_unit_test(what_is_taught_is_drawn_as_a_hand_above_its_button),
+        cmocka_unit_test(what_was_taught_is_undone),
         cmocka_unit_test(a_preset_keeps_what_was_taught),
         cmocka_unit_test(a_preset_that_was_deleted_or_written_over_comes_back),
         cmocka_unit_test(pedals_say_what_they_do_and_how_far_they_are_down),

@@ -129,6 +129,12 @@ bool app_take_call(app *self, app_call of)
     return false;
 }
 
+bool app_demo_hand(char out[APP_DEMO_TEXT])
+{
+    (void)snprintf(out, APP_DEMO_TEXT, "log:%s/plugins/log/demo_hand.csv,loop=1", SOURCE_DIR);
+    return true;
+}
+
 app_patch_aim *app_patch_aimed(app *self)
 {
     (void)self;

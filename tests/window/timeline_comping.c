@@ -88,9 +88,9 @@ static void another_take_is_laid_later_and_comped_as_it_lies(void **state)
 {
     (void)state;
     stand *s = open_with_other_take();
-    stand_key(s, UI_KEY_ALT, true);
+    stand_key(s, UI_KEY_CONTROL, true);
     stand_drag(s, stand_x(s, 2.0), stand_y(s, 2), stand_x(s, 2.5), stand_y(s, 2));
-    stand_key(s, UI_KEY_ALT, false);
+    stand_key(s, UI_KEY_CONTROL, false);
     assert_int_equal(s->step_count, 0); /* the take is as it was */
     near_s(timeline_comp_later_ns(s->panel, 0), 0.5, 0.02);
     stand_picture(s, "slid");
@@ -111,9 +111,9 @@ static void laying_another_take_elsewhere_is_undone(void **state)
 {
     (void)state;
     stand *s = open_with_other_take();
-    stand_key(s, UI_KEY_ALT, true);
+    stand_key(s, UI_KEY_CONTROL, true);
     stand_drag(s, stand_x(s, 2.0), stand_y(s, 2), stand_x(s, 2.5), stand_y(s, 2));
-    stand_key(s, UI_KEY_ALT, false);
+    stand_key(s, UI_KEY_CONTROL, false);
     const int64_t laid_ns = timeline_comp_later_ns(s->panel, 0);
     const undo_change dragged = s->did;
     assert_int_equal(s->did_count, 1);

@@ -219,7 +219,7 @@ static void edges_trim_as_far_as_it_was_recorded(void **state)
     take_finish(&t);
 }
 
-static void alt_on_an_edge_retimes_about_the_other(void **state)
+static void ctrl_on_an_edge_retimes_about_the_other(void **state)
 {
     (void)state;
     assert_int_equal(timeline_drag_kind_of(TIMELINE_CLIP_END, true), TIMELINE_DRAG_SPEED_END);
@@ -404,7 +404,7 @@ int main(void)
         cmocka_unit_test(a_clip_moves_to_another_layer),
         cmocka_unit_test(where_a_clip_cannot_be_the_last_place_stays_and_why_is_said),
         cmocka_unit_test(edges_trim_as_far_as_it_was_recorded),
-        cmocka_unit_test(alt_on_an_edge_retimes_about_the_other),
+        cmocka_unit_test(ctrl_on_an_edge_retimes_about_the_other),
         cmocka_unit_test(upper_corners_fade_as_far_as_the_clip_goes),
         cmocka_unit_test(a_layer_that_is_offset_is_dragged_where_it_is_seen),
         cmocka_unit_test(markers_sound_gains_and_layers_are_dragged),

@@ -88,17 +88,29 @@ static void escape_cancels_a_drag(void **state)
     stand_close(s);
 }
 
-static void edges_trim_and_with_alt_retime(void **state)
+static const char trim_status[] = "Trims. With Ctrl: stretch.  Shift: do not snap";
+
+static void edges_trim_and_with_ctrl_retime(void **state)
 {
     (void)state;
     stand *s = open_stand();
     stand_drag(s, stand_x(s, 6.97), stand_y(s, 0), stand_x(s, 8.97), stand_y(s, 0));
     assert_string_equal(s->edited[0], "clip.trim");
     near_s(s->take.layer[1].clip[1].end_ns, 9.0, 0.05);
-    stand_key(s, UI_KEY_ALT, true);
+    stand_key(s, UI_KEY_CONTROL, true);
     stand_drag(s, stand_x(s, 8.97), stand_y(s, 0), stand_x(s, 6.5), stand_y(s, 0));
-    stand_key(s, UI_KEY_ALT, false);
+    stand_key(s, UI_KEY_CONTROL, false);
     assert_string_equal(s->edited[1], "clip.speed");
+    assert_null(stand_word(s, trim_status));
+    stand_move(s, stand_x(s, 6.5), stand_y(s, 0));
+    stand_button(s, 0, true);
+    stand_move(s, stand_x(s, 6.8), stand_y(s, 0));
+    assert_non_null(stand_word(s, trim_status)); /* the status line, while it is dragged */
+    stand_move(s, stand_x(s, 6.5), stand_y(s, 0));
+    stand_key(s, UI_KEY_ESCAPE, true);
+    stand_key(s, UI_KEY_ESCAPE, false);
+    stand_button(s, 0, false);
+    assert_null(stand_word(s, trim_status));
     near_s(s->take.layer[1].clip[1].end_ns, 6.52, 0.05);
     assert_int_equal(s->step_count, 2);
     stand_close(s);
@@ -509,7 +521,7 @@ int main(void)
         cmocka_unit_test(a_clip_is_dragged_in_time_in_one_step),
         cmocka_unit_test(a_click_chooses_and_changes_nothing),
         cmocka_unit_test(escape_cancels_a_drag),
-        cmocka_unit_test(edges_trim_and_with_alt_retime),
+        cmocka_unit_test(edges_trim_and_with_ctrl_retime),
         cmocka_unit_test(upper_corners_fade),
         cmocka_unit_test(a_clip_goes_to_another_layer),
         cmocka_unit_test(what_is_not_possible_says_why_and_changes_nothing),

@@ -28,6 +28,11 @@ static bool has_journal(scene *s, void *data)
     return app_status(s->app)->journal_ns > 3 * NS_PER_S;
 }
 
+static bool has_journal_of(scene *s, void *data)
+{
+    return app_status(s->app)->journal_ns > *(int64_t *)data;
+}
+
 static bool is_chosen(scene *s, void *data)
 {
     (void)data;
@@ -530,6 +535,69 @@ static void a_click_in_the_list_chooses_what_space_plays_and_del_deletes(void **
     scene_close(&s);
 }
 
+static bool has_markers(scene *s, void *data)
+{
+    const take *t = app_take(s->app);
+    return t && t->marker_count == *(uint32_t *)data;
+}
+
+static bool has_recorded_more(scene *s, void *data)
+{
+    return app_status(s->app)->recorded_ns > *(int64_t *)data;
+}
+
+static void a_mark_set_while_recording_is_on_the_timeline_and_in_history(void **state)
+{
+    (void)state;
+    scene s;
+    uint32_t none = 0, one = 1, two = 2;
+    int64_t later_ns = 3 * NS_PER_S, last_ns = 4 * NS_PER_S;
+    open_hand(&s, 1.0f);
+    scene_do(&s, ACTION_RECORD);
+    assert_true(scene_until(&s, has_recorded, NULL));
+    assert_null(scene_word(&s, "mark"));
+    scene_do(&s, ACTION_MARK);
+    scene_frames(&s, 3);
+    assert_non_null(scene_word(&s, "mark")); /* at once, on what is always recorded */
+    assert_true(scene_until(&s, has_recorded_more, &later_ns));
+    scene_do(&s, ACTION_MARK);
+    assert_true(scene_until(&s, has_recorded_more, &last_ns));
+    scene_look(&s, "timeline_scene_marks_live");
+    scene_check_words(&s);
+    scene_do(&s, ACTION_RECORD);
+    assert_true(scene_until(&s, has_take, &one));
+    assert_true(scene_until(&s, has_markers, &two));
+    const take *t = app_take(s.app);
+    assert_true(t->marker[0].at_ns > 1900 * NS_PER_MS && t->marker[0].at_ns < 2900 * NS_PER_MS);
+    assert_true(t->marker[1].at_ns > 2900 * NS_PER_MS && t->marker[1].at_ns < 3900 * NS_PER_MS);
+    assert_int_equal(app_view(s.app)->mode, LIVE_PERFORMS);
+    scene_click_word(&s, "History");
+    assert_non_null(scene_word_with(&s, "mark 2."));
+    scene_look(&s, "timeline_scene_marks");
+    scene_key(&s, UI_KEY_ESCAPE, 0);
+    scene_do(&s, ACTION_UNDO);
+    assert_true(scene_until(&s, has_markers, &none));
+    scene_do(&s, ACTION_REDO);
+    assert_true(scene_until(&s, has_markers, &two));
+    scene_close(&s);
+}
+
+/* K keeps what was marked, too. */
+static void what_is_kept_has_its_marks(void **state)
+{
+    (void)state;
+    scene s;
+    uint32_t one = 1;
+    open_hand(&s, 1.0f);
+    assert_true(scene_until(&s, has_journal, NULL));
+    scene_do(&s, ACTION_MARK);
+    assert_true(scene_until(&s, has_journal_of, &(int64_t){5 * NS_PER_S}));
+    scene_do(&s, ACTION_KEEP);
+    assert_true(scene_until(&s, has_take, &one));
+    assert_true(scene_until(&s, has_markers, &one));
+    scene_close(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -544,6 +612,8 @@ int main(void)
         cmocka_unit_test(a_preroll_plays_before_what_is_performed_over_a_take),
         cmocka_unit_test(the_clock_is_that_of_what_is_recorded_and_then_of_the_take),
         cmocka_unit_test(a_click_in_the_list_chooses_what_space_plays_and_del_deletes),
+        cmocka_unit_test(a_mark_set_while_recording_is_on_the_timeline_and_in_history),
+        cmocka_unit_test(what_is_kept_has_its_marks),
         cmocka_unit_test(the_show_that_is_open_is_opened_again_and_records_on),
         cmocka_unit_test(nothing_covers_undo_in_the_smallest_window),
         cmocka_unit_test(the_journal_is_seen_live_and_at_twice_the_size),

@@ -90,6 +90,12 @@ live *app_live(app *self)
     return a_live;
 }
 
+instance *live_mapping(live *self) /* none: the keys are named by their fingers */
+{
+    (void)self;
+    return NULL;
+}
+
 const live_status *app_status(const app *self)
 {
     static const live_status nobody_records;

@@ -173,8 +173,8 @@ static const char *const mouse_lines[][2] = {
 };
 static const char *const timeline_lines[][2] = {
     {"Wheel", "Zoom; with Shift: scroll"},         {"Drag a clip", "Move; drag an end to trim"},
-    {"Alt+drag", "Drag an end: stretch"},          {"Swipe", "Take below: comp it"},
-    {"Alt+drag", "Take below: shift it"},          {"Drag on top", "Above the time: range"},
+    {"Ctrl+drag", "Drag an end: stretch"},         {"Swipe", "Take below: comp it"},
+    {"Ctrl+drag", "Take below: shift it"},         {"Drag on top", "Above the time: range"},
     {"Double click", "Clip, layer, marker, take"}, {"Right click", "More commands"},
 };
 enum {

@@ -2,7 +2,6 @@
 #include "window/app/camera_package.h"
 
 #include "base/file.h"
-#include "base/installed.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -63,16 +62,16 @@ static bool is_empty(app *of)
 static bool is_there(app *of, offer which)
 {
     const mrt_plugin_type *type;
-    char path[INSTALLED_LENGTH];
+    char text[APP_DEMO_TEXT];
     error err = {0};
     if (which == OFFER_CAMERA)
         return plugin_list_find(app_plugins(of), "camera", MRT_INPUT, &type, &err) >= 0;
-    return which != OFFER_DEMO || installed_data(path, "demo_hand.csv");
+    return which != OFFER_DEMO || app_demo_hand(text);
 }
 
 static void accept(app *of, offer which)
 {
-    char path[INSTALLED_LENGTH], text[INSTALLED_LENGTH + 16];
+    char text[APP_DEMO_TEXT];
     switch (which) {
     case OFFER_CAMERA:
         app_ask(of, APP_CALL_CAMERA);
@@ -81,10 +80,8 @@ static void accept(app *of, offer which)
         app_do(of, ACTION_HAND_KEYS);
         break;
     case OFFER_DEMO:
-        if (!installed_data(path, "demo_hand.csv"))
-            break;
-        (void)snprintf(text, sizeof text, "log:%s,loop=1", path);
-        (void)!app_open_input(of, text); /* the error is in the messages */
+        if (app_demo_hand(text))
+            (void)!app_open_input(of, text); /* the error is in the messages */
         break;
     default:
         news_list_add(app_news(of), MRT_LOG_INFO, "stage", offers[OFFER_MOUSE].help);

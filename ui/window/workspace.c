@@ -988,6 +988,8 @@ static void take_requests(workspace *self)
 {
     if (app_take_request(self->app, ACTION_OPEN))
         dialogs_ask_open(&self->dialogs, OPEN_ANY);
+    if (app_take_call(self->app, APP_CALL_RECORDING))
+        dialogs_ask_open(&self->dialogs, OPEN_HANDS);
     if (app_take_call(self->app, APP_CALL_PICTURE))
         dialogs_ask_open(&self->dialogs, OPEN_PICTURE);
     for (const char *path; (path = window_take_drop(self->window)) != NULL;)

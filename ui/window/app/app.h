@@ -136,6 +136,9 @@ CHECKED mrt_result app_save_rig_as(app *self, const char *path, error *err);
  * stage when it is open, but not before the end of a take that is being recorded. Its errors come
  * later, in the news and by app_opening_trouble. */
 CHECKED mrt_result app_open_input(app *self, const char *text);
+/* Writes the text of the input that repeats the recorded demo hand. False: it is not installed. */
+enum { APP_DEMO_TEXT = 4096 + 16 };
+CHECKED bool app_demo_hand(char out[APP_DEMO_TEXT]);
 uint32_t app_openings(app *self, input_opening out[INPUT_OPENINGS_MAX]);
 void app_give_up_opening(app *self, uint64_t id);
 /* Why the input that was opened last did not join; "": it did. */
@@ -289,6 +292,11 @@ void app_keep(app *self, int64_t from_ns, int64_t to_ns);
 CHECKED mrt_result app_attach_voice(app *self, const char *path);
 double app_voice_part(const app *self); /* 0..1: progress of reading a voice; < 0: none */
 
+/* Marks of this run that were set while hands performed, oldest first, on the host's clock; the
+ * newest APP_MARKS_MAX. They become markers of the takes that contain them. */
+enum { APP_MARKS_MAX = 256 };
+uint32_t app_marks_of(const app *self, const int64_t **out_at_ns);
+
 /* ---- exports ---- */
 
 /* Exports in a process of its own, after the exports asked for before; the news tell how it ended.
@@ -362,6 +370,7 @@ void app_clear_pulls(app *self);
 /* A request of one part of the window to another; app_take_call is true once for each. */
 typedef enum app_call {
     APP_CALL_CAMERA = 0, /* the camera and its page, of the card on the stage */
+    APP_CALL_RECORDING,  /* the dialog that opens a recorded hand */
     APP_CALL_PICTURE,    /* the dialog that opens a picture behind the face */
     APP_CALL_DRAFT,      /* a first rig for the face, which has none, of the rig panel */
     APP_CALLS

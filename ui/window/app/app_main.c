@@ -1,5 +1,6 @@
 #include "window/app/app_shared.h"
 
+#include "base/installed.h"
 #include "base/clock.h"
 #include "base/file.h"
 #include "stage/perform/patch_file.h"
@@ -504,6 +505,15 @@ mrt_result app_open_input(app *self, const char *text)
         result = input_opener_open(self->inputs, &one, 1, false, &self->input_trouble);
     free(spec);
     return app_report(self, result, &self->input_trouble);
+}
+
+bool app_demo_hand(char out[APP_DEMO_TEXT])
+{
+    char path[INSTALLED_LENGTH];
+    if (!installed_data(path, "demo_hand.csv"))
+        return false;
+    (void)snprintf(out, APP_DEMO_TEXT, "log:%s,loop=1", path);
+    return true;
 }
 
 uint32_t app_openings(app *self, input_opening out[INPUT_OPENINGS_MAX])

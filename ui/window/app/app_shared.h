@@ -100,6 +100,11 @@ typedef struct app_saving {
     bool has_failed; /* reported */
 } app_saving;
 
+typedef struct app_marks {        /* those of this run, oldest first; the show has them as events */
+    int64_t at_ns[APP_MARKS_MAX]; /* host's clock */
+    uint32_t count;
+} app_marks;
+
 struct app {
     plugin_list plugins;
     log_queue *log;
@@ -123,6 +128,7 @@ struct app {
 
     app_takes_state takes;
     app_awaited awaited;
+    app_marks marks;
     app_undo_state undo;
     app_recording recording;
     app_chasing chase;

@@ -331,6 +331,45 @@ static void tell_kept(app *self, int64_t id)
                 line->title);
 }
 
+static mrt_result edit_all(app *self, const edit *const *e, uint32_t count, const char *words);
+
+/* Adds the marks that were set during the take as its markers, in one undo step. */
+static void add_marks(app *self, int64_t id)
+{
+    error err = {0};
+    take_event *event = NULL;
+    size_t count = 0;
+    uint32_t marks = 0;
+    const int64_t before = self->takes.chosen;
+    if (app_pick_take(self, id) < 0)
+        return;
+    const take *t = app_take(self);
+    if (app_report(self,
+                   show_events(self->show, t->start_ns, t->start_ns + t->duration_ns, &event,
+                               &count, &err),
+                   &err) >= 0) {
+        edit *edits = calloc(count ? count : 1, sizeof *edits);
+        const edit **list = calloc(count ? count : 1, sizeof *list);
+        for (size_t i = 0; edits && list && i < count && marks < EDIT_MARKERS_MAX; ++i)
+            if (event[i].kind == TAKE_EVENT_MARK) {
+                edit *e = &edits[marks];
+                edit_init(e, EDIT_MARKER_ADD);
+                e->at_ns = event[i].time_ns - t->start_ns;
+                (void)snprintf(e->text, sizeof e->text, "%s", event[i].text);
+                list[marks++] = e;
+            }
+        if (marks > 0)
+            app_reported(edit_all(self, list, marks, NULL));
+        for (uint32_t i = 0; i < marks; ++i)
+            edit_finish(&edits[i]);
+        free(list);
+        free(edits);
+    }
+    free(event);
+    if (self->view->mode != LIVE_PERFORMS) /* another take is on the stage */
+        app_reported(app_pick_take(self, before));
+}
+
 /* If the disk is full, the take is stored when there is space, and appears in the list then. */
 static void follow_awaited(app *self, double dt_s)
 {
@@ -338,8 +377,7 @@ static void follow_awaited(app *self, double dt_s)
     self->awaited.age_s += dt_s;
     if (is_whole(self, id)) {
         self->awaited.take = 0;
-        if (self->view->mode == LIVE_PERFORMS)
-            app_reported(app_pick_take(self, id));
+        add_marks(self, id);
         if (self->awaited.is_kept)
             tell_kept(self, id);
     } else if (self->awaited.age_s > AWAITED_S) {
@@ -921,8 +959,13 @@ void app_mark(app *self)
 {
     error err = {0};
     if (!live_shown_take(self->live)) {
-        if (app_report(self, live_mark(self->live, "", &err), &err) >= 0)
-            app_say(self, MRT_LOG_INFO, "marker added");
+        if (app_report(self, live_mark(self->live, "", &err), &err) < 0)
+            return;
+        app_marks *m = &self->marks;
+        if (m->count == APP_MARKS_MAX)
+            memmove(m->at_ns, m->at_ns + 1, --m->count * sizeof *m->at_ns);
+        m->at_ns[m->count++] = clock_now_ns();
+        app_say(self, MRT_LOG_INFO, "marker added");
         return;
     }
     edit e;
@@ -930,6 +973,12 @@ void app_mark(app *self)
     e.at_ns = head_ns(self);
     app_reported(app_edit(self, &e));
     edit_finish(&e);
+}
+
+uint32_t app_marks_of(const app *self, const int64_t **out_at_ns)
+{
+    *out_at_ns = self->marks.at_ns;
+    return self->marks.count;
 }
 
 /* ---- what has ended ---- */

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static const double least_way = 0.25;
+static const double least_way = 0.2, rad_per_deg = 0.017453292519943295;
 
 void channels_read(channels_now *out, app *of)
 {
@@ -64,6 +64,17 @@ void channels_name(const channels_now *now, uint32_t which, uint32_t c, patch_co
     }
 }
 
+/* The range of a channel. Inputs give angles in rad a range of a whole turn, and no joint moves
+ * that far, so the range of the joint counts. */
+static double range_of(const mrt_channel *channel)
+{
+    const uint32_t angle = channel->semantic - MRT_CH_ANGLE;
+    if (channel->semantic >= MRT_CH_ANGLE && angle < MRT_ANGLES &&
+        strncmp(channel->unit, "rad", 3) == 0)
+        return rad_per_deg * (double)(sensor_table[angle].high_deg - sensor_table[angle].low_deg);
+    return fmax((double)channel->max - (double)channel->min, 1e-9);
+}
+
 bool channel_learn(channel_learner *self, const channels_now *now, patch_connection *out)
 {
     double most = least_way;
@@ -76,7 +87,7 @@ bool channel_learn(channel_learner *self, const channels_now *now, patch_connect
             self->is_known[i] = true;
         }
         for (uint32_t c = 0; c < in->count; ++c) {
-            const double way = fmax((double)in->channel[c].max - (double)in->channel[c].min, 1e-9);
+            const double way = range_of(&in->channel[c]);
             const double moved = fabs((double)in->value[c] - (double)self->was[i][c]) / way;
             const double step = fabs((double)in->value[c] - (double)self->last[i][c]) / way;
             self->last[i][c] = in->value[c];

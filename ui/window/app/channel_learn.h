@@ -29,7 +29,7 @@ typedef struct channel_learner { /* zeroed: begins with the next values */
     float last[CHANNELS_INPUTS][MRT_MAX_CHANNELS];
     bool has_jumped; /* the channel that was found moved in one step, as a pad does */
 } channel_learner;
-/* Call in each frame. Returns true when a channel has moved by at least a quarter of its range
+/* Call in each frame. Returns true when a channel has moved by at least a fifth of its range
  * since the start, and names the one that moved most. */
 bool channel_learn(channel_learner *self, const channels_now *now, patch_connection *out);
 

@@ -560,8 +560,7 @@ static void set_value(panel *self, input *of, uint32_t index, double value)
     error err = {""};
     instance_key(input_plugin(of), index, key, sizeof key);
     (void)snprintf(text, sizeof text, "%.9g", value);
-    if (input_set(of, key, text, &err) < 0)
-        report_trouble(self, err.text);
+    report_trouble(self, input_set(of, key, text, &err) < 0 ? err.text : "");
 }
 
 static uint32_t label_count(const mrt_param *p)
@@ -810,7 +809,7 @@ static void open_recording(panel *self)
 {
     char text[DEVICES_PATH + 32];
     if (!self->path[0])
-        report_trouble(self, "Choose a recording: enter the path of a log file.");
+        app_ask(self->app, APP_CALL_RECORDING);
     else if (strchr(self->path, ','))
         report_trouble(self, "Cannot open a path that contains a comma. Rename the file.");
     else {
@@ -819,18 +818,36 @@ static void open_recording(panel *self)
     }
 }
 
+static void open_demo_hand(panel *self)
+{
+    char text[APP_DEMO_TEXT];
+    if (app_demo_hand(text))
+        open_input(self, text);
+    else
+        report_trouble(self, "The demo hand is not installed. Open a recording instead.");
+}
+
 static void draw_recording(panel *self, ui *on)
 {
     ui_text(on, UI_STYLE_DIM, "Recording of a hand");
     ui_width(on, -(button + 8.0f));
     (void)ui_input(on, "##path", "path of a log file", self->path, sizeof self->path);
+    const bool is_entered = ui_input_is_entered(on) && self->path[0];
     ui_hint(on, "Open a .csv table of joint angles or sensor counts, or a recording of GraspDB14.");
     ui_same_line(on);
     ui_width(on, button);
-    if (ui_button(on, "Open##recording", UI_PLAIN))
+    const bool is_pressed =
+        ui_button(on, self->path[0] ? "Open##recording" : "Browse##recording", UI_PLAIN);
+    ui_hint(on, self->path[0] ? "Open this recording." : "Choose a recording of a hand.");
+    if (is_pressed || is_entered)
         open_recording(self);
     (void)ui_check(on, "Loop", &self->repeats);
     ui_hint(on, "Play the recording again from the start when it ends.");
+    ui_same_line(on);
+    ui_at(on, 92.0f);
+    if (ui_button(on, "Demo hand", UI_PLAIN))
+        open_demo_hand(self);
+    ui_hint(on, "Open a recorded hand that performs in a loop until you remove it.");
 }
 
 static void draw_network(panel *self, ui *on)
@@ -839,11 +856,12 @@ static void draw_network(panel *self, ui *on)
     ui_text(on, UI_STYLE_DIM, "Over the network (OSC)");
     ui_width(on, -(button + 8.0f));
     (void)ui_input(on, "##osc", "9105", self->osc, sizeof self->osc);
-    ui_hint(on, "PORT receives from this computer only, 0.0.0.0:PORT from all computers, PORT/NAME "
-                "from another marotte that forwards.");
+    const bool is_entered = ui_input_is_entered(on);
+    ui_hint(on, "PORT receives from this computer only, 0.0.0.0:PORT from all computers. A device "
+                "that another marotte forwards is found, PORT/NAME chooses one of several.");
     ui_same_line(on);
     ui_width(on, button);
-    if (!ui_button(on, "Open##osc", UI_PLAIN))
+    if (!ui_button(on, "Open##osc", UI_PLAIN) && !is_entered)
         return;
     (void)snprintf(text, sizeof text, "osc:%s", self->osc[0] ? self->osc : "9105");
     open_input(self, text);
@@ -983,6 +1001,8 @@ static void follow_inputs(panel *self)
     const uint32_t count = live_input_count(app_live(self->app));
     if (count != self->input_count && self->search)
         devices_search_again(self->search);
+    if (count > self->input_count)
+        self->trouble[0] = '\0'; /* of what was tried before */
     self->input_count = count;
 }
 

@@ -53,6 +53,11 @@ struct panel {
     unsigned char *lessons; /* MRT_STATE; NULL: unknown */
     size_t lessons_size;
     double lessons_wait_s; /* until the next query */
+    /* The taught state before a button that teaches was pressed. NULL: no button waits. */
+    unsigned char *untaught;
+    size_t untaught_size;
+    double taught_wait_s; /* until the frame thread has handled the button */
+    char taught_by[EDIT_TEXT];
     hand_skeleton *skeleton[2];
 };
 
@@ -488,7 +493,8 @@ void pedal_table_words(const mrt_plugin_type *type, const double *values, uint32
 
 /* ---- parameters ---- */
 
-#define LESSON_S 0.3 /* time for the frame thread to handle a button that teaches */
+#define LESSON_S      0.3 /* time for the frame thread to handle a button that teaches */
+#define LESSON_LATE_S 1.0 /* after that, on a busy machine; then the button has taught nothing */
 static const float label_least = 84.0f, label_most = 146.0f;
 
 /* Returns whether the parameter list shows a parameter: it is neither hidden nor a finger link. */
@@ -598,6 +604,40 @@ static bool is_pointed_at(panel *self, ui *on, const instance *mapping, uint32_t
     return true;
 }
 
+/* Keeps the taught state, for undo. Two buttons that follow each other at once are one step. */
+static void begin_teaching(panel *self, const instance *mapping, const mrt_param *p)
+{
+    if (!self->untaught)
+        self->untaught = fetch_taught(self, &self->untaught_size);
+    self->taught_wait_s = LESSON_S;
+    (void)snprintf(self->taught_by, sizeof self->taught_by, "%.50s: %.100s", mapping->type->name,
+                   p->name);
+}
+
+/* Adds an undo step when the button has changed what the mapping was taught. */
+static void end_teaching(panel *self, double dt_s)
+{
+    size_t size;
+    self->taught_wait_s -= dt_s;
+    if (!self->untaught || self->taught_wait_s > 0.0)
+        return;
+    const instance *mapping = live_mapping(app_live(self->app));
+    unsigned char *now = fetch_taught(self, &size);
+    const bool is_new =
+        mapping && now && (size != self->untaught_size || memcmp(now, self->untaught, size) != 0);
+    if (is_new) {
+        const char *id = mapping->type->id;
+        note(self, self->taught_by,
+             setting_new(SETTING_PARAMS, id, NULL, 0, self->untaught, self->untaught_size),
+             setting_new(SETTING_PARAMS, id, NULL, 0, now, size));
+    }
+    if (is_new || self->taught_wait_s < -LESSON_LATE_S) {
+        free(self->untaught);
+        self->untaught = NULL;
+    }
+    free(now);
+}
+
 /* Draws the widget of a parameter. Each change is an undo step. */
 static void mapping_param_draw(panel *self, ui *on, instance *mapping, uint32_t index,
                                const char *name)
@@ -610,6 +650,7 @@ static void mapping_param_draw(panel *self, ui *on, instance *mapping, uint32_t 
                    mapping_param_is_changed(mapping, index) ? " \xe2\x80\xa2" : "", p->id);
     if (p->flags & MRT_PARAM_TRIGGER) {
         if (ui_button(on, label, UI_PLAIN)) {
+            begin_teaching(self, mapping, p);
             instance_trigger(mapping, index);
             self->lessons_wait_s = LESSON_S;
         }
@@ -1399,6 +1440,7 @@ static void update(panel *self, double dt_s)
     instance *mapping = follow_mapping(self);
     mapping_learn_update(self, mapping, dt_s);
     self->lessons_wait_s -= dt_s;
+    end_teaching(self, dt_s);
     if (preset[0] && mapping)
         use(self, mapping, preset);
     preset[0] = '\0';
@@ -1414,6 +1456,7 @@ static void destroy(panel *self)
     for (uint32_t side = 0; side < 2; ++side)
         hand_skeleton_destroy(self->skeleton[side]);
     free(self->lessons);
+    free(self->untaught);
     free(self->values);
     free(self->presets);
     free(self);

@@ -44,7 +44,7 @@ const take_clip *timeline_clip(const take *t, uint32_t id, const take_layer **ou
 bool timeline_moves(const take_layer *layer,
                     own_region region); /* whether the layer moves a part of the region */
 
-/* Returns the drag that a press on a part starts. is_retiming: Alt is held on an edge. */
+/* Returns the drag that a press on a part starts. is_retiming: Ctrl is held on an edge. */
 timeline_drag_kind timeline_drag_kind_of(timeline_part part, bool is_retiming);
 void timeline_drag_begin(timeline_drag *out, timeline_drag_kind kind, const take *t,
                          timeline_hit hit, int64_t at_ns, int64_t sound_ns);

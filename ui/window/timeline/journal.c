@@ -236,6 +236,30 @@ static void paint_takes(panel *self, ui *on, const strip *s)
         paint_take(self, on, s, &self->result->span[i], ahead_ns);
 }
 
+/* ---- marks ---- */
+
+#define MARK_COLOUR 0x9fb58affu
+
+static void paint_marks(panel *self, ui *on, const strip *s)
+{
+    const int64_t *at_ns;
+    const uint32_t count = app_marks_of(self->app, &at_ns);
+    const float width = ui_text_width(on, UI_STYLE_BODY, "mark");
+    for (uint32_t i = 0; i < count; ++i) {
+        const float x = x_of(s, at_ns[i]);
+        const float next = i + 1 < count ? x_of(s, at_ns[i + 1]) : s->x + s->width;
+        const float y = s->lanes_y + 3.0f, flag[6] = {x, y, x + 8.0f, y + 4.0f, x, y + 8.0f};
+        if (x < s->x)
+            continue;
+        ui_draw_line(on, x, y, x, s->y + s->height, 0x9fb58a60u, 1.0f);
+        ui_draw_triangle(on, flag, MARK_COLOUR);
+        if (next - x > width + 14.0f)
+            ui_draw_text(on, x + 11.0f, y - 4.0f, UI_STYLE_BODY, THEME_DIM, 0.0f, "mark");
+        else if (i + 1 == count) /* the newest is too close to now */
+            ui_draw_text(on, x - width - 4.0f, y - 4.0f, UI_STYLE_BODY, THEME_DIM, 0.0f, "mark");
+    }
+}
+
 /* ---- lanes ---- */
 
 /* Returns an id for an input. The text identifies the device, and the pointer distinguishes two
@@ -380,6 +404,9 @@ void timeline_paint_journal(panel *self, ui *on, const ui_canvas *canvas)
     paint_ruler(on, &s);
     ui_clip_end(on);
     paint_lanes(self, on, &s);
+    ui_clip_begin(on, (ui_rectangle){s.x, s.y, s.width, s.height});
+    paint_marks(self, on, &s);
+    ui_clip_end(on);
     if (self->gesture == GESTURE_KEEP)
         paint_span(self, on, &s);
 }

@@ -110,7 +110,7 @@ static void press_comp(panel *self, const ui_canvas *canvas)
 {
     const uint32_t comp = pressed_comp(self);
     self->gesture = GESTURE_SWIPE;
-    if (comp == UINT32_MAX || !(canvas->modifiers & UI_ALT))
+    if (comp == UINT32_MAX || !(canvas->modifiers & UI_CONTROL))
         return;
     self->gesture = GESTURE_SLIDE;
     self->slid_from_ns = timeline_comp_later_ns(self, comp);
@@ -181,7 +181,7 @@ static void begin(panel *self, const ui_canvas *canvas)
         return;
     }
     timeline_drag_kind kind =
-        timeline_drag_kind_of(self->pressed.part, (canvas->modifiers & UI_ALT) != 0);
+        timeline_drag_kind_of(self->pressed.part, (canvas->modifiers & UI_CONTROL) != 0);
     if (kind == TIMELINE_DRAG_NONE)
         return;
     timeline_drag_begin(&self->drag, kind, t, self->pressed, self->pressed_ns,
@@ -206,9 +206,7 @@ static uint32_t layer_under(const panel *self, const ui_canvas *canvas)
 static void drag_edit(panel *self, const ui_canvas *canvas)
 {
     const take *t = app_take(self->app);
-    bool is_retiming =
-        self->drag.kind == TIMELINE_DRAG_SPEED_START || self->drag.kind == TIMELINE_DRAG_SPEED_END;
-    timeline_snap snap = snap_now(self, (canvas->modifiers & UI_ALT) && !is_retiming);
+    timeline_snap snap = snap_now(self, (canvas->modifiers & UI_SHIFT) != 0);
     if (!t || self->edition != app_take_edition(self->app)) {
         timeline_drag_finish(&self->drag);
         self->gesture = GESTURE_NONE;
@@ -221,7 +219,7 @@ static void drag_edit(panel *self, const ui_canvas *canvas)
 /* Drags one end of the range: span_to. The other end stays. */
 static void drag_range(panel *self, const ui_canvas *canvas)
 {
-    timeline_snap snap = snap_now(self, (canvas->modifiers & UI_ALT) != 0);
+    timeline_snap snap = snap_now(self, (canvas->modifiers & UI_SHIFT) != 0);
     const take *t = app_take(self->app);
     int64_t most_ns = t ? t->duration_ns : 0;
     snap.in_ns = snap.out_ns = 0; /* the range does not snap to itself */
@@ -428,7 +426,7 @@ static void double_click(panel *self, ui *on, const ui_canvas *canvas)
 
 /* ---- cursor and hints ---- */
 
-#define TRIM_HINT       "Drag to trim the clip. Hold Alt to stretch it."
+#define TRIM_HINT       "Drag to trim the clip. Hold Ctrl to stretch it."
 #define TRIM_SOUND_HINT "Drag to trim the sound."
 
 static const struct {
@@ -443,7 +441,7 @@ static const struct {
     [TIMELINE_GAIN] = {UI_CURSOR_ACROSS,
                        "Drag to set the gain. Double-click to reset it to 100 %."},
     [TIMELINE_COMP_BODY] = {UI_CURSOR_CROSS,
-                            "Swipe a span to copy the selected parts into the take. Hold Alt to "
+                            "Swipe a span to copy the selected parts into the take. Hold Ctrl to "
                             "shift this other take in time. Double-click to reset the shift."},
     [TIMELINE_CLIP_START] = {UI_CURSOR_ACROSS, TRIM_HINT},
     [TIMELINE_CLIP_END] = {UI_CURSOR_ACROSS, TRIM_HINT},

@@ -71,10 +71,10 @@ static void put_name(panel *self, switch_row *p, const take *t)
 void timeline_paint_corner(panel *self, ui *on, const ui_canvas *canvas)
 {
     switch_row p = {.on = on, .canvas = canvas, .x = self->rows.x + 4.0f, .y = self->rows.y + 2.0f};
-    put_switch(
-        self, &p, "Snap",
-        "Snap to the playhead, clips, markers and frames. Hold Alt to turn this off for one drag.",
-        &self->is_snapping);
+    put_switch(self, &p, "Snap",
+               "Snap to the playhead, clips, markers and frames. Hold Shift to turn this off for "
+               "one drag.",
+               &self->is_snapping);
     put_switch(self, &p, "Follow", "Scroll the timeline with the playhead.", &self->is_following);
     put_switch(self, &p, "Takes",
                "Show other takes of the same slate below. Swipe their best passes into this take.",

@@ -381,17 +381,52 @@ static void follow_head(panel *self)
 
 /* ---- drawing ---- */
 
-static void paint_why(panel *self, ui *on)
+/* Returns what modifiers do in the current drag. "": nothing. */
+static const char *modifiers_of(const panel *self)
 {
-    const char *why = self->drag.why.text;
-    if (self->gesture != GESTURE_EDIT || !why[0])
+    switch (self->gesture) {
+    case GESTURE_SWIPE:
+        return "Copies what is swiped into the take. With Ctrl: shift the other take.";
+    case GESTURE_SLIDE:
+        return "Shifts the other take in time.";
+    case GESTURE_RANGE:
+        return "Shift: do not snap";
+    case GESTURE_EDIT:
+        break;
+    default:
+        return "";
+    }
+    switch (self->drag.kind) {
+    case TIMELINE_DRAG_START:
+    case TIMELINE_DRAG_END:
+        return "Trims. With Ctrl: stretch.  Shift: do not snap";
+    case TIMELINE_DRAG_SPEED_START:
+    case TIMELINE_DRAG_SPEED_END:
+        return "Stretches.  Shift: do not snap";
+    case TIMELINE_DRAG_MOVE:
+    case TIMELINE_DRAG_MARKER:
+    case TIMELINE_DRAG_SOUND:
+    case TIMELINE_DRAG_SOUND_START:
+    case TIMELINE_DRAG_SOUND_END:
+        return "Shift: do not snap";
+    default:
+        return "";
+    }
+}
+
+/* Draws the status line of a drag: why it is refused, or else what modifiers do. */
+static void paint_drag_status(panel *self, ui *on)
+{
+    const bool is_refused = self->gesture == GESTURE_EDIT && self->drag.why.text[0];
+    const char *why = is_refused ? self->drag.why.text : modifiers_of(self);
+    if (!why[0])
         return;
     float width = ui_text_width(on, UI_STYLE_BODY, why), room = self->axis.width - 24.0f;
     width = width < room ? width : room;
     float y = self->rows.y + self->rows.height - 28.0f;
     ui_draw_box(on, (ui_rectangle){self->axis.x + 6.0f, y, width + 14.0f, 22.0f}, THEME_BAR, 4.0f);
-    ui_draw_text(on, self->axis.x + 13.0f, y + 2.0f, UI_STYLE_BODY, THEME_WARNING, width + 1.0f,
-                 why);
+    ui_draw_text(on, self->axis.x + 13.0f, y + 2.0f, UI_STYLE_BODY,
+                 is_refused ? THEME_WARNING : THEME_TEXT, width + 1.0f, why);
 }
 
 static void draw_take(panel *self, ui *on, const ui_canvas *canvas)
@@ -417,7 +452,7 @@ static void draw_take(panel *self, ui *on, const ui_canvas *canvas)
     timeline_paint_rows(self, on);
     timeline_paint_over(self, on);
     timeline_paint_head(self, on);
-    paint_why(self, on);
+    paint_drag_status(self, on);
 }
 
 static void draw_lanes(panel *self, ui *on, ui_rectangle where)

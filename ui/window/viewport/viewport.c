@@ -905,12 +905,6 @@ static void write_at_edge(const viewport *self, ui *on, const char *text)
 
 static const float quality_scale[] = {1.0f, 0.85f, 0.7f, 0.6f}; /* lower resolutions look coarse */
 
-/* Returns the height of the key help above the upper corners of the picture. */
-static float below_keys(const viewport *self, const ui *on)
-{
-    return virtual_hand_keys_height(self->hand, on, self->where.width);
-}
-
 /* Writes the resolution while it is reduced. */
 static void ink_quality(const viewport *self, ui *on)
 {
@@ -919,8 +913,7 @@ static void ink_quality(const viewport *self, ui *on)
         return;
     (void)snprintf(words, sizeof words, "%.0f %% resolution while the face moves",
                    100.0 * (double)quality_scale[self->quality.level]);
-    write_on_plate(on, self->where.x + margin, self->where.y + margin + below_keys(self, on),
-                   THEME_DIM, words);
+    write_on_plate(on, self->where.x + margin, self->where.y + margin, THEME_DIM, words);
 }
 
 /* Draws the button that removes Shift pulls and clay changes from the face. */
@@ -950,9 +943,8 @@ static void ink_mirrored(viewport *self, ui *on)
     self->mirrored = (ui_rectangle){.width = 0.0f};
     if (!is_mirrored(self))
         return;
-    self->mirrored =
-        (ui_rectangle){self->where.x + self->where.width - width - 12.0f - margin,
-                       self->where.y + margin + below_keys(self, on), width + 12.0f, height};
+    self->mirrored = (ui_rectangle){self->where.x + self->where.width - width - 12.0f - margin,
+                                    self->where.y + margin, width + 12.0f, height};
     write_on_plate(on, self->mirrored.x + 6.0f, self->mirrored.y, THEME_DIM, words);
 }
 
@@ -1071,8 +1063,7 @@ static void ink_heat(const viewport *self, ui *on)
                                  : has_depth       ? 3.0f
                                                    : 2.0f);
     high += legend.bone_count ? 4.0f : 16.0f;
-    const float below = below_keys(self, on);
-    ui_rectangle box = {self->where.x + margin, self->where.y + margin + below, wide, high};
+    ui_rectangle box = {self->where.x + margin, self->where.y + margin, wide, high};
     ui_draw_box(on, box, plate, 4.0f);
     float x = box.x + 10.0f, y = box.y + 8.0f, inner = wide - 20.0f;
     ui_draw_text(on, x, y, UI_STYLE_BODY, THEME_TEXT, inner, legend.title);
@@ -1096,7 +1087,6 @@ static void ink_all(const viewport *self, ui *on)
     ink_pointer(self, on);
     set_cursor(self, on);
     ink_heat(self, on);
-    virtual_hand_draw_keys(self->hand, on, self->where);
 }
 
 /* ---- the viewport ---- */
@@ -1362,6 +1352,15 @@ static void shade_face(viewport *self)
 void viewport_draw(viewport *self, ui *on, ui_rectangle where, float scale)
 {
     ui_canvas canvas;
+    const float keys = virtual_hand_keys_height(self->hand, on, where.width, where.height);
+    if (keys > 0.0f) {
+        const ui_rectangle strip = {where.x, where.y, where.width, keys};
+        ui_panel_begin(on, "keys", strip, UI_GROUND_PANEL);
+        virtual_hand_draw_keys(self->hand, on, strip, where.height);
+        ui_panel_end(on);
+        where.y += keys;
+        where.height -= keys;
+    }
     ui_panel_begin(on, "viewport", where, UI_GROUND_NONE);
     ui_canvas_begin(on, "face", 0.0f, 0.0f, &canvas);
     ui_on_face_begin(on);

@@ -2,6 +2,7 @@
 
 #include "hand/sensor.h"
 #include "stage/input/feed.h"
+#include "stage/mapping/isolate.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -406,33 +407,183 @@ bool virtual_hand_has_key(uint32_t key)
     return false;
 }
 
-/* ---- display of the keys ---- */
+/* ---- display of the keys: a strip above the picture ---- */
 
+enum { CAPS = 4, EFFECT = 96, MAPPING_VALUES = 256 };
 typedef struct key_cell {
-    const char *name, *down, *up; /* up NULL: one key */
-    int finger;                   /* 0 thumb .. 4 little finger; -1: none */
+    const char *name;
+    const char *cap[CAPS]; /* NULL: fewer */
+    int key[CAPS];         /* virtual_hand_key of the cap; -1: another key */
 } key_cell;
-static const key_cell cells[] = {{"Thumb", "Space", "B", 0},    {"Index", "J", "U", 1},
-                                 {"Middle", "K", "I", 2},       {"Ring", "L", "O", 3},
-                                 {"Little", ";", "P", 4},       {"Spread", "N", "M", -1},
-                                 {"Wrist", "arrows", NULL, -1}, {"Other hand", "Shift+Y", NULL, -1},
-                                 {"End", "Esc", NULL, -1}};
+static const key_cell cells[] = {
+    {"Thumb", {"Space", "B"}, {VIRTUAL_THUMB_DOWN, VIRTUAL_THUMB_UP}},
+    {"Index", {"J", "U"}, {VIRTUAL_INDEX_DOWN, VIRTUAL_INDEX_UP}},
+    {"Middle", {"K", "I"}, {VIRTUAL_MIDDLE_DOWN, VIRTUAL_MIDDLE_UP}},
+    {"Ring", {"L", "O"}, {VIRTUAL_RING_DOWN, VIRTUAL_RING_UP}},
+    {"Little", {";", "P"}, {VIRTUAL_LITTLE_DOWN, VIRTUAL_LITTLE_UP}},
+    {"Spread", {"N", "M"}, {VIRTUAL_SPREAD, VIRTUAL_NARROW}},
+    {"Wrist",
+     {"\u2191", "\u2193", "\u2190", "\u2192"},
+     {VIRTUAL_WRIST_UP, VIRTUAL_WRIST_DOWN, VIRTUAL_WRIST_LEFT, VIRTUAL_WRIST_RIGHT}},
+    {"Other hand", {"Shift+Y"}, {-1}},
+    {"End", {"Esc"}, {-1}}};
 enum { CELLS = sizeof cells / sizeof *cells };
-static const uint32_t plate = 0x101113e8u; /* background of text over the face */
-static const float cell_gap = 16.0f, cap_gap = 4.0f;
+static const float cell_gap = 14.0f, cap_gap = 4.0f;
+static const float strip_most = 0.3f; /* share of the height; above it the effects are left out */
+
+/* ---- what a key moves in the face ---- */
+
+/* Strength of a line for a change of the angles. A movement against the line counts less, because
+ * another line usually names it. */
+static float strength_of(const mrt_card_line *line, const float change_rad[MRT_ANGLES])
+{
+    static const float backwards = 0.35f;
+    float sum = 0.0f;
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        sum += line->per_rad[i] * change_rad[i];
+    return sum < 0.0f ? -backwards * sum : sum;
+}
+
+/* Returns the line that a key moves most. NULL: none. */
+static const mrt_card_line *line_of_key(const mrt_card_line *line, uint32_t count, int key)
+{
+    bool is_down[VIRTUAL_KEYS] = {false};
+    float change[MRT_ANGLES], rest[MRT_ANGLES], most = 0.2f;
+    virtual_hand_intent intent = {.spread = 0.0f};
+    const mrt_card_line *found = NULL;
+    is_down[key] = true;
+    virtual_hand_add_keys(&intent, is_down);
+    virtual_hand_goal(change, &intent, 1.0f);
+    virtual_hand_rest(rest);
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        change[i] -= rest[i];
+    for (uint32_t i = 0; i < count; ++i)
+        if (strength_of(&line[i], change) > most) {
+            most = strength_of(&line[i], change);
+            found = &line[i];
+        }
+    return found;
+}
+
+/* Returns the lines of the mapping that performs. NULL: it does not describe what it does. */
+static const mrt_card_line *lines_of(const virtual_hand *self, uint32_t *out_count)
+{
+    live *stage = app_live(self->of);
+    const instance *mapping = stage ? live_mapping(stage) : NULL;
+    const mrt_hand_card *card =
+        mapping ? plugin_interface(isolate_inner(mapping->type), MRT_HAND_CARD) : NULL;
+    double value[MAPPING_VALUES];
+    mrt_channels channels = {.name = input_text[self->side]};
+    *out_count = 0;
+    if (!card || mapping->type->param_count > MAPPING_VALUES)
+        return NULL;
+    for (uint32_t i = 0; i < mapping->type->param_count; ++i)
+        value[i] = instance_value(mapping, i);
+    const input *made = self->made[self->side];
+    if (made)
+        channels.channel = input_channels(made, &channels.count);
+    return card->lines(value, made ? &channels : NULL, self->side, out_count);
+}
+
+/* The first part of a text, "jaw opens": up to a bracket or a semicolon. */
+static int length_of(const char *text)
+{
+    size_t length = strcspn(text, ";(");
+    while (length > 0 && text[length - 1] == ' ')
+        length -= 1;
+    return (int)length;
+}
+
+/* Writes what the first two keys of a cell move; "": unknown. */
+static void write_effect(char out[EFFECT], const mrt_card_line *line, uint32_t count,
+                         const key_cell *cell)
+{
+    const mrt_card_line *first = NULL, *second = NULL;
+    out[0] = '\0';
+    if (cell->key[0] >= 0)
+        first = line_of_key(line, count, cell->key[0]);
+    if (cell->key[0] >= 0 && cell->cap[1])
+        second = line_of_key(line, count, cell->key[1]);
+    if (!first || second == first)
+        first = first ? first : second, second = NULL;
+    if (first)
+        (void)snprintf(out, EFFECT, "%.*s%s%.*s", length_of(first->face), first->face,
+                       second ? "; " : "", second ? length_of(second->face) : 0,
+                       second ? second->face : "");
+}
+
+/* ---- layout: cells flow in rows ---- */
+
+typedef struct key_strip {
+    float x[CELLS], y[CELLS], height; /* from the top left of the strip */
+    char effect[CELLS][EFFECT];
+} key_strip;
+
+static float line_height(const ui *on)
+{
+    return ui_text_height(on, UI_STYLE_BODY) + 4.0f;
+}
 
 static float cap_width(const ui *on, const char *key)
 {
     return fmaxf(ui_text_width(on, UI_STYLE_BODY, key) + 12.0f, 24.0f);
 }
 
-static float cell_width(const ui *on, const key_cell *cell)
+static float cell_width(const ui *on, const key_strip *strip, int index)
 {
-    float caps = cap_width(on, cell->down);
-    if (cell->up)
-        caps += cap_gap + cap_width(on, cell->up);
-    return fmaxf(caps, ui_text_width(on, UI_STYLE_BODY, cell->name));
+    const key_cell *cell = &cells[index];
+    const char *effect = strip->effect[index];
+    const float name = ui_text_width(on, UI_STYLE_BODY, cell->name);
+    float width = -cap_gap;
+    for (int i = 0; i < CAPS && cell->cap[i]; ++i)
+        width += cap_gap + cap_width(on, cell->cap[i]);
+    return effect[0]
+               ? fmaxf(width + 2.0f * cap_gap + name, ui_text_width(on, UI_STYLE_BODY, effect))
+               : fmaxf(width, name);
 }
+
+static void place_cells(key_strip *out, const ui *on, float width)
+{
+    const float high = 2.0f * line_height(on) + 8.0f;
+    float x = cell_gap, y = 6.0f;
+    for (int i = 0; i < CELLS; ++i) {
+        const float wide = cell_width(on, out, i);
+        if (x > cell_gap && x + wide + cell_gap > width) {
+            x = cell_gap;
+            y += high;
+        }
+        out->x[i] = x;
+        out->y[i] = y;
+        x += wide + cell_gap;
+    }
+    out->height = y + high;
+}
+
+static void strip_of(key_strip *out, const virtual_hand *self, const ui *on, float width,
+                     float height)
+{
+    uint32_t count;
+    const mrt_card_line *line = lines_of(self, &count);
+    for (int i = 0; i < CELLS; ++i)
+        write_effect(out->effect[i], line, count, &cells[i]);
+    place_cells(out, on, width);
+    if (out->height <= strip_most * height)
+        return;
+    for (int i = 0; i < CELLS; ++i)
+        out->effect[i][0] = '\0';
+    place_cells(out, on, width);
+}
+
+float virtual_hand_keys_height(const virtual_hand *self, const ui *on, float width, float height)
+{
+    key_strip strip;
+    if (!self->has_keys)
+        return 0.0f;
+    strip_of(&strip, self, on, width, height);
+    return strip.height;
+}
+
+/* ---- drawing ---- */
 
 static void ink_cap(ui *on, float x, float y, const char *key, bool is_down)
 {
@@ -444,69 +595,38 @@ static void ink_cap(ui *on, float x, float y, const char *key, bool is_down)
                  is_down ? THEME_STAGE : THEME_TEXT, 0.0f, key);
 }
 
-static void ink_cell(const virtual_hand *self, ui *on, float x, float y, const key_cell *cell)
+/* Whether a key is down, or the gamepad does the same. */
+static bool is_lit(const virtual_hand *self, const ui *on, int key)
 {
-    float intent = cell->finger < 0 ? 0.0f : self->intent.finger[cell->finger];
-    float line = ui_text_height(on, UI_STYLE_BODY) + 4.0f;
-    ui_draw_text(on, x, y, UI_STYLE_BODY, THEME_DIM, 0.0f, cell->name);
-    ink_cap(on, x, y + line, cell->down, intent > 0.1f);
-    if (cell->up)
-        ink_cap(on, x + cap_width(on, cell->down) + cap_gap, y + line, cell->up, intent < -0.1f);
+    if (key < 0)
+        return false;
+    if (key == VIRTUAL_THUMB_DOWN || key == VIRTUAL_THUMB_UP)
+        return self->intent.finger[0] * (key == VIRTUAL_THUMB_DOWN ? 1.0f : -1.0f) > 0.1f;
+    if (key >= VIRTUAL_INDEX_DOWN && key <= VIRTUAL_LITTLE_DOWN)
+        return self->intent.finger[1 + key - VIRTUAL_INDEX_DOWN] > 0.1f;
+    if (key >= VIRTUAL_INDEX_UP && key <= VIRTUAL_LITTLE_UP)
+        return self->intent.finger[1 + key - VIRTUAL_INDEX_UP] < -0.1f;
+    return ui_is_down(on, virtual_hand_key_code[key]);
 }
 
-static const char *hand_title(const virtual_hand *self)
+void virtual_hand_draw_keys(const virtual_hand *self, ui *on, ui_rectangle where, float height)
 {
-    return self->side == MRT_LEFT ? "Left hand" : "Right hand";
-}
-
-/* Returns the number of cells from `first` that fit in a line. The first line includes the title.
- * *out_wide: resulting width. */
-static int cells_of_line(const virtual_hand *self, const ui *on, float width, int first,
-                         float *out_wide)
-{
-    const float room = width - 48.0f;
-    float wide = first == 0 ? ui_text_width(on, UI_STYLE_BODY, hand_title(self)) : -cell_gap;
-    int end = first;
-    while (end < CELLS && (end == first || wide + cell_gap + cell_width(on, &cells[end]) <= room))
-        wide += cell_gap + cell_width(on, &cells[end++]);
-    *out_wide = wide + 24.0f;
-    return end - first;
-}
-
-static float cells_height(const ui *on)
-{
-    return 2.0f * (ui_text_height(on, UI_STYLE_BODY) + 4.0f) + 16.0f;
-}
-
-float virtual_hand_keys_height(const virtual_hand *self, const ui *on, float width)
-{
-    float wide, high = 8.0f; /* gap to the content below */
-    for (int first = 0; first < CELLS; first += cells_of_line(self, on, width, first, &wide))
-        high += cells_height(on);
-    return self->has_keys ? high : 0.0f;
-}
-
-void virtual_hand_draw_keys(const virtual_hand *self, ui *on, ui_rectangle where)
-{
-    const float line = ui_text_height(on, UI_STYLE_BODY) + 4.0f, high = cells_height(on);
-    const float behind = ui_text_width(on, UI_STYLE_BODY, hand_title(self));
-    float y = where.y + 8.0f;
-    if (!self->has_keys)
-        return;
-    for (int first = 0; first < CELLS; y += high) {
-        float wide;
-        const int end = first + cells_of_line(self, on, where.width, first, &wide);
-        const ui_rectangle box = {where.x + 0.5f * (where.width - wide), y, wide, high};
-        float x = box.x + 12.0f;
-        ui_draw_box(on, box, plate, 5.0f);
-        if (first == 0)
-            ui_draw_text(on, x, y + 8.0f + 0.5f * line, UI_STYLE_BODY,
-                         self->side == MRT_LEFT ? THEME_LEFT : THEME_RIGHT, 0.0f, hand_title(self));
-        x += first == 0 ? behind : -cell_gap;
-        for (; first < end; ++first) {
-            x += cell_gap;
-            ink_cell(self, on, x, y + 8.0f, &cells[first]);
-            x += cell_width(on, &cells[first]);
+    const float line = line_height(on);
+    key_strip strip;
+    strip_of(&strip, self, on, where.width, height);
+    for (int i = 0; i < CELLS; ++i) {
+        const key_cell *cell = &cells[i];
+        const char *effect = strip.effect[i];
+        float x = where.x + strip.x[i];
+        const float y = where.y + strip.y[i];
+        ui_draw_text(on, x, y, UI_STYLE_BODY, effect[0] ? THEME_TEXT : THEME_DIM, 0.0f,
+                     effect[0] ? effect : cell->name);
+        for (int k = 0; k < CAPS && cell->cap[k]; ++k) {
+            ink_cap(on, x, y + line, cell->cap[k], is_lit(self, on, cell->key[k]));
+            x += cap_width(on, cell->cap[k]) + cap_gap;
         }
+        if (effect[0])
+            ui_draw_text(on, x + cap_gap, y + line + 2.0f, UI_STYLE_BODY, THEME_DIM, 0.0f,
+                         cell->name);
     }
 }

@@ -70,9 +70,10 @@ void virtual_hand_update(virtual_hand *self, const ui *keys, const window_gamepa
 
 bool virtual_hand_has_key(uint32_t key); /* moves the hand while the keyboard controls it */
 
-/* Draw the keys and their state along the upper edge of the face while the keyboard controls the
- * hand, and return the height of this help for a width; 0: hidden. */
-void virtual_hand_draw_keys(const virtual_hand *self, ui *on, ui_rectangle where);
-float virtual_hand_keys_height(const virtual_hand *self, const ui *on, float width);
+/* The strip above the picture while the keyboard controls the hand: the keys, lit while they are
+ * pressed, and what each moves in the face. height: of strip and picture; if the strip would take
+ * too much of it, it names the fingers only. Returns the height of the strip; 0: hidden. */
+float virtual_hand_keys_height(const virtual_hand *self, const ui *on, float width, float height);
+void virtual_hand_draw_keys(const virtual_hand *self, ui *on, ui_rectangle where, float height);
 
 #endif
