@@ -148,7 +148,7 @@ static void measure(const mouth *self, sound_facts *out)
 static const double hop_s = 0.01;
 /* The noise floor rises slowly and falls at once. The level of speech rises within 50 ms and falls
  * within a second. */
-static const double floor_rise_db = 6.0 * 0.01, peak_fall_db = 12.0 * 0.01, speech_least_db = 18.0;
+static const double floor_rise_db = 6.0 * 0.01, peak_fall_db = 24.0 * 0.01, speech_least_db = 18.0;
 /* Closed lips hold no longer than this in silence: then the mouth rests. */
 static const double closure_hold_s = 0.25;
 /* Likelihood of a murmur that begins to close the lips, and that closes them. */
@@ -219,7 +219,7 @@ static void analyse(mouth *self)
     }
     const double heard = between(now.db, self->floor_db + 5.0, self->floor_db + 12.0) *
                          between(now.db, -62.0, -54.0);
-    const double voiced = heard * between(now.voicing, 0.35, 0.6);
+    const double voiced = heard * between(now.voicing, 0.55, 0.75);
     self->quiet_s = voiced > 0.5 ? 0.0 : self->quiet_s + hop_s;
     wanted[MOUTH_OPENNESS] *= voiced;
     wanted[MOUTH_WIDE] *= voiced;

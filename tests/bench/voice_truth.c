@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SOUND_MAX = 22050 * 60, PHONEMES_MAX = 2000, HOPS_MAX = 6000, LEAD = 8000 };
+enum { LAGS = 8, SOUND_MAX = 22050 * 60, PHONEMES_MAX = 2000, HOPS_MAX = 6000, LEAD = 8000 };
 
 typedef struct truth {
     const char *phoneme;
@@ -219,7 +219,7 @@ static double correlation(const sums *s)
 int main(int argc, char **argv)
 {
     int found = 0, closures = 0, false_ones = 0, others = 0;
-    sums vowels = {0}, hops = {0}, wide = {0}, hiss = {0};
+    sums vowels = {0}, hops = {0}, wide = {0}, hiss = {0}, lag[LAGS] = {0};
     if (espeak_Initialize(AUDIO_OUTPUT_SYNCHRONOUS, 0, NULL,
                           espeakINITIALIZE_PHONEME_EVENTS | espeakINITIALIZE_DONT_EXIT) != 22050) {
         puts("SKIPPED: espeak-ng has no voices of 22 050 Hz");
@@ -265,10 +265,16 @@ int main(int argc, char **argv)
             }
             for (int h = 3; h < hop_count; ++h)
                 if (hop_at_s[h] > 0.0 && phoneme_at(hop_at_s[h]) >= 0) {
+                    for (int k = 0; k < LAGS && k <= h; ++k)
+                        add(&lag[k], goal[h - k][MOUTH_OPENNESS], value[h][MOUTH_OPENNESS]);
                     add(&hops, goal[h - 2][MOUTH_OPENNESS], value[h][MOUTH_OPENNESS]);
                     add(&hiss, goal[h - 2][MOUTH_HISS], value[h][MOUTH_HISS]);
                 }
         }
+    int delay = 0;
+    for (int k = 1; k < LAGS; ++k)
+        delay = correlation(&lag[k]) > correlation(&lag[delay]) ? k : delay;
+    printf("openness follows the phonemes by %.1f ms\n", 12.5 + 10.0 * delay);
     printf("openness: correlation %.2f over %.0f vowels, %.2f over all 10 ms\n",
            correlation(&vowels), vowels.n, correlation(&hops));
     printf("wide less round: correlation %.2f over the vowels; hiss %.2f over all 10 ms\n",
