@@ -5,6 +5,8 @@
 #include <string.h>
 
 enum { SPECTRUM = 512 };
+_Static_assert(sizeof mouth_weight == sizeof(double[MOUTH_CHANNELS][MOUTH_FEATURES]),
+               "run voice_truth --fit");
 static const double pi = 3.14159265358979323846;
 
 /* Edges of the bands, Hz: about equal steps of hearing. */

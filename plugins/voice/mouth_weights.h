@@ -1,11 +1,9 @@
-/* voice/mouth_weights.h - weights of the features of a hop for each channel of a mouth. Written by
- * tests/bench/voice_truth --fit: least squares over six sentences of seven voices of espeak-ng.
- * Only for mouth.c. */
+/* voice/mouth_weights.h - weights of the features of a hop (MOUTH_FEATURES) for each mouth_channel.
+ * Written by tests/bench/voice_truth --fit: least squares over six sentences of seven voices of
+ * espeak-ng. Only for mouth.c. */
 #ifndef PLUGINS_VOICE_MOUTH_WEIGHTS_H
 #define PLUGINS_VOICE_MOUTH_WEIGHTS_H
-#include "mouth.h"
-
-static const double mouth_weight[MOUTH_CHANNELS][MOUTH_FEATURES] = {
+static const double mouth_weight[5][15] = {
     {-0.1998, -0.0019, -0.0573, 0.1486, 0.0295, 0.0251, 0.0256, 0.0247, 0.1248, -0.0677, -0.1876,
      0.3450, 0.0383, 0.1874, -0.2050},
     {0.0542, 0.0662, -0.1614, -0.0171, -0.0745, -0.0837, -0.0127, 0.1044, 0.2605, 0.0689, -0.1650,

@@ -1,8 +1,8 @@
 /* voice_truth [--fit] - voices of espeak-ng through plugins/voice/mouth.h, against the phonemes
  * that espeak-ng says it spoke. Prints the correlation of openness with that of the vowels, and how
- * many of m, b, p close the lips. Exits with 1 if a figure misses its goal. --fit: prints
- * plugins/voice/mouth_weights.h, by least squares over the sentences of fitting, which are others
- * than those of measuring, and other voices. */
+ * many of m, b, p close the lips. Exits with 1 if a figure misses its goal. --fit: prints the rows
+ * of plugins/voice/mouth_weights.h, by least squares over the sentences of fitting, which are
+ * others than those of measuring, and other voices. */
 #include "voice/mouth.h"
 
 #include <espeak-ng/speak_lib.h>

@@ -109,8 +109,7 @@ uint32_t sync_edits(edit *out, uint32_t capacity, const take *t, int64_t late_ns
     uint32_t count = 0;
     for (uint32_t i = 0; i < t->layer_count; ++i) {
         const take_layer *of = &t->layer[i];
-        if (!own_layer_is_active(t, i) || of->clip_count == 0 ||
-            !own_layer_owns(of, "jaw.open"))
+        if (!own_layer_is_active(t, i) || of->clip_count == 0 || !own_layer_owns(of, "jaw.open"))
             continue;
         if (count < capacity) {
             edit_init(&out[count], EDIT_LAYER_OFFSET);
@@ -126,7 +125,7 @@ uint32_t sync_edits(edit *out, uint32_t capacity, const take *t, int64_t late_ns
 
 static const char voice_id[] = "org.marotte.voice";
 /* The channel `openness` follows the sound by this time (tests/bench/voice_truth measures it). */
-static const int64_t voice_delay_ns = 25 * NS_PER_MS;
+static const int64_t voice_delay_ns = 15 * NS_PER_MS;
 static const double voice_least = 0.1; /* openness that a voice reaches */
 
 static bool goes_on(const sync_source *from, double part)
