@@ -21,8 +21,7 @@ mrt_result perform_inputs_open(perform_inputs *out, const plugin_spec *spec, uin
         mrt_result result = plugin_list_choose(plugins, spec[i].plugin, MRT_INPUT, &type[i], err);
         if (result < 0)
             return result;
-        const mrt_input *functions = plugin_interface(type[i], MRT_INPUT);
-        if (!(functions->flags & MRT_INPUT_RECORDED))
+        if (!input_is_recording(type[i], spec[i].address))
             out->clock = CLOCK_REAL; /* a device performs in real time */
     }
     for (; out->count < count; ++out->count) {

@@ -145,6 +145,7 @@ static const command_option options[TAKE_OPTION_COUNT] = {
     [TAKE_ALL] = FLAG("all", TAKE_ALL),
     [TAKE_JOBS] = VALUE("jobs", TAKE_JOBS),
     [TAKE_OUTPUT] = {"output", COMMAND_READ, .read = add_output},
+    [TAKE_MOVE] = FLAG("move", TAKE_MOVE),
 };
 
 const char *take_option_name(take_option option)
@@ -352,7 +353,9 @@ static mrt_result take_open_show(take_call *call, error *err)
 {
     static const show_mode modes[] = {
         [TAKE_READS] = SHOW_READ, [TAKE_WRITES] = SHOW_WRITE, [TAKE_RECORDS] = SHOW_RECORD};
-    const show_mode mode = modes[call->verb->use];
+    const take_use use = call->verb->use;
+    const bool moves = use == TAKE_MOVES && call->text[TAKE_MOVE];
+    const show_mode mode = use == TAKE_MOVES ? (moves ? SHOW_WRITE : SHOW_READ) : modes[use];
     const bool writes = mode != SHOW_READ;
     if (access(call->word[0], F_OK) != 0 && errno == ENOENT)
         return error_set(err, MRT_ERR_IO, "%s: %s%s", call->word[0], strerror(ENOENT),
@@ -594,6 +597,17 @@ static const take_verb play_verbs[] = {
      .run = take_diff_run,
      .examples = "take diff show.marotte 1 2\n"
                  "take diff show.marotte 1 last --region mouth,jaw --csv out/difference.csv\n"},
+    {"sync", "SHOW [TAKE]",
+     "  --move         also move the layers of the mouth, as edits: marotte take undo\n"
+     "  --in T, --out T   a range; at most 120 s of it are compared\n"
+     "  --face FILE    perform on this face (the face of the recording)\n"
+     "Compares the jaw with the voice in the take's sound. People notice a mouth that is more "
+     "than\n"
+     "45 ms late or 125 ms early (ITU-R BT.1359). TAKE: the last one if left out.\n",
+     "measure how late the mouth is", "move in out face", TAKE_MOVES, .run = take_sync_run,
+     .ask = take_sync_edits,
+     .examples = "take sync show.marotte last\n"
+                 "take sync show.marotte 2 --move --json\n"},
     {"log", "SHOW TAKE",
      "  --track N      the track's number (marotte take show); optional if there is one\n"
      "  --out FILE.csv\n"
@@ -683,7 +697,7 @@ static mrt_result work(take_call *call, error *err)
         result = take_open_show(call, err);
     if (result < 0)
         return result;
-    return call->verb->ask ? take_change_run(call, err) : call->verb->run(call, err);
+    return call->verb->run ? call->verb->run(call, err) : take_change_run(call, err);
 }
 
 static int run_call(take_call *call)

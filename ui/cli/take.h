@@ -76,12 +76,13 @@ typedef enum take_option {
     TAKE_ALL,
     TAKE_JOBS,
     TAKE_OUTPUT,
+    TAKE_MOVE,
     TAKE_OPTION_COUNT
 } take_option;
 
 enum { TAKE_WORDS_MAX = 4 };
 
-enum { TAKE_CHANGE_MAX = 4 };
+enum { TAKE_CHANGE_MAX = 8 };
 typedef struct take_change { /* edits of one subcommand */
     edit edit[TAKE_CHANGE_MAX];
     uint32_t count;
@@ -107,13 +108,15 @@ typedef struct take_call { /* one run of a subcommand */
     show *show;
     facts *told;
     progress shown;
-    bool is_usage; /* the error is wrong usage */
-    bool is_told;  /* print the facts although it failed */
+    int64_t late_ns; /* of `sync`: the offset that it found */
+    bool is_usage;   /* the error is wrong usage */
+    bool is_told;    /* print the facts although it failed */
 } take_call;
 
 typedef enum take_use { /* access to the show */
                         TAKE_READS = 0,
                         TAKE_WRITES,
+                        TAKE_MOVES,   /* writes with --move, else reads */
                         TAKE_RECORDS, /* writes, and keeps the performance even after an error */
                         TAKE_OPENS_ITSELF
 } take_use;
@@ -125,7 +128,8 @@ typedef struct take_verb {
     const char *options; /* option names, separated by blanks; --json is always accepted */
     take_use use;
     CHECKED mrt_result (*run)(take_call *call, error *err);
-    /* Used instead of run: returns the edits for the take on the command line. */
+    /* Returns the edits for the take on the command line, for take_change_run; used if run is NULL.
+     */
     CHECKED mrt_result (*ask)(take_call *call, const take *t, take_change *out, error *err);
     edit_kind kind;       /* for an `ask` that several subcommands share */
     const char *examples; /* for command_print_examples */
@@ -226,6 +230,8 @@ CHECKED mrt_result take_stage_play(take_stage *self, take_call *call, const take
 /* ---- subcommands in the table of take.c ---- */
 
 CHECKED mrt_result take_diff_run(take_call *call, error *err);
+CHECKED mrt_result take_sync_run(take_call *call, error *err);
+CHECKED mrt_result take_sync_edits(take_call *call, const take *t, take_change *out, error *err);
 CHECKED mrt_result take_export_run(take_call *call, error *err);
 CHECKED mrt_result take_export_all(take_call *call, error *err);
 CHECKED mrt_result take_play_run(take_call *call, error *err);

@@ -164,7 +164,8 @@ typedef struct mrt_sample {
 enum {
     /* Samples come from a recording, and read() waits only with host->wait_until_ns, so the host
        may run it faster than real time. Without this flag the input is a device. */
-    MRT_INPUT_RECORDED = 1
+    MRT_INPUT_RECORDED = 1,
+    MRT_INPUT_FILES = 2 /* MRT_INPUT_RECORDED applies while the address is that of a regular file */
 };
 typedef struct mrt_input {
     /* [main] Opens the device at `address`; "" is the first device found. After read() returned

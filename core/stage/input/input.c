@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 enum { INPUT_VERSIONS = 8, INPUT_RING = 1024, INPUT_INCIDENTS = 64 };
@@ -30,6 +31,7 @@ typedef struct input_outage {
 struct input {
     instance plugin;
     const mrt_input *functions;
+    bool is_recording; /* its clock may be virtual, and it cannot be lost */
     char *address, name[INPUT_NAME];
     bool open; /* the plugin is open. Owned by [main] until input_start and after input_stop,
                   otherwise by the thread */
@@ -84,7 +86,7 @@ static const int64_t post_span_ns = 20 * NS_PER_MS;
 
 static bool is_device(const input *self)
 {
-    return self->plugin.clock == CLOCK_REAL && !(self->functions->flags & MRT_INPUT_RECORDED);
+    return self->plugin.clock == CLOCK_REAL && !self->is_recording;
 }
 
 static bool is_stopping(const input *self)
@@ -553,6 +555,15 @@ static bool read_virtual(input *self, input_record *out)
 
 static const int64_t patience_first_ns = 250 * NS_PER_MS, patience_later_ns = 500 * NS_PER_MS;
 
+bool input_is_recording(const mrt_plugin_type *type, const char *address)
+{
+    const mrt_input *functions = plugin_interface(type, MRT_INPUT);
+    struct stat about;
+    return functions->flags & MRT_INPUT_RECORDED ||
+           (functions->flags & MRT_INPUT_FILES && stat(address, &about) == 0 &&
+            S_ISREG(about.st_mode));
+}
+
 void input_name_of(char out[INPUT_NAME], const mrt_plugin_type *type, const char *address)
 {
     const char *slash = strrchr(address, '/');
@@ -600,9 +611,9 @@ mrt_result input_create_stoppable(input **out, const mrt_plugin_type *type, cons
     *out = NULL;
     input *self = calloc(1, sizeof *self);
     const mrt_input *functions = plugin_interface(type, MRT_INPUT);
-    char *own_address = functions->flags & MRT_INPUT_RECORDED
-                            ? installed_path(INSTALLED_RECORDING, address)
-                            : strdup(address);
+    const bool is_recording = input_is_recording(type, address);
+    char *own_address =
+        is_recording ? installed_path(INSTALLED_RECORDING, address) : strdup(address);
     if (!self || !own_address) {
         free(self);
         free(own_address);
@@ -610,6 +621,7 @@ mrt_result input_create_stoppable(input **out, const mrt_plugin_type *type, cons
     }
     self->address = own_address;
     self->functions = functions;
+    self->is_recording = is_recording;
     self->patience_first_ns = patience_first_ns;
     self->patience_later_ns = patience_later_ns;
     health_board_init(&self->board);
@@ -625,7 +637,7 @@ mrt_result input_create_stoppable(input **out, const mrt_plugin_type *type, cons
     self->plugin.stop = stop;
     if (result >= 0)
         result = open_input(self, err);
-    if (result < 0 && functions->flags & MRT_INPUT_RECORDED)
+    if (result < 0 && is_recording)
         suggest_recording(self->address, err);
     self->plugin.stop = NULL;
     if (result < 0)
@@ -717,7 +729,7 @@ double input_value(const input *self, uint32_t index)
 double input_duration_s(input *self)
 {
     const mrt_duration *duration = plugin_interface(self->plugin.type, MRT_DURATION);
-    if (!(self->functions->flags & MRT_INPUT_RECORDED) || !duration || !self->open)
+    if (!self->is_recording || !duration || !self->open)
         return -1.0;
     instance_latch(&self->plugin);
     return 1e-9 * (double)duration->get_ns(self->plugin.self, self->plugin.params);
@@ -740,7 +752,7 @@ bool input_find_sound(const input *self, input_sound *out)
     const bool is_in_time =
         value_named(self, "speed", 1.0) == 1.0 && value_named(self, "loop", 0.0) < 0.5;
     *out = (input_sound){.start_s = value_named(self, "start", 0.0)};
-    if (!(self->functions->flags & MRT_INPUT_RECORDED) || !is_in_time || !dot || dot < slash)
+    if (!self->is_recording || !is_in_time || !dot || dot < slash)
         return false;
     for (size_t i = 0; i < sizeof endings / sizeof *endings; ++i) {
         const int length = snprintf(out->path, sizeof out->path, "%.*s%s",

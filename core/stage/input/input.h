@@ -23,6 +23,10 @@ typedef enum input_incident_kind {
     INPUT_IS_BACK   /* the device is connected again */
 } input_incident_kind;
 
+/* [main] Returns whether an input of that type and address is a recording (MRT_INPUT_RECORDED,
+ * MRT_INPUT_FILES), which a virtual clock can run. */
+bool input_is_recording(const mrt_plugin_type *type, const char *address);
+
 typedef struct input_incident {
     input_incident_kind kind;
     int64_t time_ns;
