@@ -281,7 +281,7 @@ static void add_pose(panel *self)
     const csrbf_settings solver = app_view(self->of)->solver;
     mrt_result result = rig_poses_of(&made, free_pose_name(rig_model_rig(self->model), name),
                                      work->face, MRT_MAX_VECTORS, &work->rig, &solver,
-                                     view->contact, view->meter.dof, &self->err);
+                                     view->contact, view->meter.driven, &self->err);
     if (result < 0) {
         rig_panel_report(self, self->err.text);
         return;
