@@ -73,12 +73,13 @@ typedef struct rig_turn {
     rig_follow follows;
 } rig_turn;
 
-/* Of a ball: "spring": { "tip", "frequency_hz", "damping", "gravity", "radius_mm" }. The part
- * swings about the pose to which its turns are driven, within their limits. */
+/* Of a ball: "spring": { "tip", "frequency_hz", "damping", "inertia", "gravity", "radius_mm" }. The
+ * part swings about the pose to which its turns are driven, within their limits. */
 typedef struct rig_spring {
     vec3 tip;            /* the middle of its mass, mm */
     double frequency_hz; /* of its free swing; 0: the bone does not swing */
     double damping;      /* ratio: 1 returns without swinging on */
+    double inertia;      /* 0..1: share of the motion of its root that the mass resists */
     double gravity;      /* 0..1: share of the weight that pulls it down when its parent tilts */
     double radius_mm;    /* of the ball around the tip that collision shapes push away */
 } rig_spring;

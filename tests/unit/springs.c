@@ -20,7 +20,7 @@ static void must(mrt_result result, const error *err)
 
 static rig_spring usual(double frequency_hz, double damping)
 {
-    return (rig_spring){.tip = {30, 40, 60 + arm_mm}, frequency_hz, damping, 0.0, 0.0};
+    return (rig_spring){.tip = {30, 40, 60 + arm_mm}, frequency_hz, damping, 1.0, 0.0, 0.0};
 }
 
 static void make(face_scene *s, rig_spring spring)

@@ -257,12 +257,14 @@ static void swing(const face *f, face_spring *s, const place *to, const rigid *p
                  hold = 1.0 + loss + 0.25 * h * pull;
     const vec3 way = vec3_sub(to->tip, s->tip), carried = vec3_scale(way, 1.0 / dt_s),
                weight = vec3_scale(weight_of(f, s, pose), h);
+    const vec3 led = vec3_scale(way, (1.0 - spring->inertia) / count);
     vec3 turns[FACE_SWINGS];
     for (uint32_t i = 0; i < count; ++i) {
         const double middle = (i + 0.5) / count, end = (i + 1.0) / count;
         const vec3 goal = vec3_add(s->tip, vec3_scale(way, middle)),
                    tip = i + 1 < count ? vec3_add(s->tip, vec3_scale(way, end)) : to->tip;
         vec3 next = vec3_scale(s->velocity, 2.0 - hold);
+        s->position = vec3_add(s->position, led);
         next = vec3_add(next, vec3_scale(vec3_sub(goal, s->position), pull));
         next = vec3_scale(vec3_add(next, weight), 1.0 / hold);
         s->position = vec3_add(s->position, vec3_scale(vec3_add(s->velocity, next), 0.5 * h));

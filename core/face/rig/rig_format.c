@@ -513,6 +513,7 @@ static const rig_field spring_fields[] = {
     {NUMBER("frequency_hz", rig_spring, frequency_hz, RIG_SPRING_LEAST_HZ, RIG_SPRING_MOST_HZ)},
     {NUMBER_OR("damping", rig_spring, damping, RIG_SPRING_LEAST_DAMPED, RIG_SPRING_MOST_DAMPED,
                FIELD_OPTIONAL, RIG_SPRING_DAMPING)},
+    {NUMBER_OR("inertia", rig_spring, inertia, 0.0, 1.0, FIELD_OPTIONAL, 1.0)},
     {NUMBER_OR("gravity", rig_spring, gravity, 0.0, 1.0, FIELD_OPTIONAL, 0.0)},
     {NUMBER_OR("radius_mm", rig_spring, radius_mm, 0.0, 1e4, FIELD_OPTIONAL, 0.0)},
     {.key = NULL}};
@@ -524,6 +525,7 @@ static mrt_result read_spring(void *out, const json_node *at, rig_reading *in, e
     if (!spring.value)
         return MRT_OK;
     bone->spring.damping = RIG_SPRING_DAMPING;
+    bone->spring.inertia = 1.0;
     mrt_result result = json_node_object(&spring, "an object with tip and frequency_hz", err);
     if (result >= 0)
         result = rig_fields_read(&bone->spring, spring_fields, &spring, in, err);
