@@ -1057,6 +1057,9 @@ static bool draft_loose_pieces_of(drafting *d, const loose_pieces *of)
     if (held_count < 6 || free_count < 6 ||
         vec3_length(vec3_sub(part.tip, part.root)) < of->kind->out * height)
         return false;
+    const vec3 arm = vec3_normalised(vec3_sub(part.tip, part.root), (vec3){0, 1, 0});
+    if (strcmp(of->kind->word, "hat") == 0 && arm.y < 0.7)
+        return false; /* a brim is wide, but holds still */
     json_t *list = json_array();
     for (uint32_t i = 0; i < d->a.piece_count; ++i)
         if (is_among(d, i, of))
