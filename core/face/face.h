@@ -141,7 +141,6 @@ void face_shape_offset(const face *f, uint32_t index, float *out);
  * s. Parts that are faster than a hand can move a head are carried along. Call after each face_aim
  * or face_drag. Returns true if a bone has moved; face_show then shows it. */
 bool face_swing(face *f, int64_t time_ns);
-bool face_has_springs(const face *f);
 bool face_dof_swings(const face *f, uint32_t dof); /* a spring moves this degree of freedom */
 /* 0..1: the share of the swing that is shown; initially that of the rig. 0: they hold still. Call
  * between frames. */

@@ -375,11 +375,6 @@ bool face_swing(face *f, int64_t time_ns)
     return is_moved;
 }
 
-bool face_has_springs(const face *f)
-{
-    return f->springs.count > 0;
-}
-
 bool face_dof_swings(const face *f, uint32_t dof)
 {
     for (uint32_t i = 0; i < f->springs.count; ++i) {
