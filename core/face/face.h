@@ -131,6 +131,23 @@ void face_set_least_weights(face *f, const float *weight);
  * file's order. */
 void face_shape_offset(const face *f, uint32_t index, float *out);
 
+/* ---- loose parts ----
+ *
+ * Bones with a spring (rig_spring) swing about the pose that their degrees of freedom, driven or
+ * not, and their parents give them. */
+
+/* Lets them swing up to this time, in equal steps of at most 1/240 s, and poses them. The first
+ * call, and the first after face_reset, finds them at rest. A gap of more than 0.1 s counts as 0.1
+ * s. Parts that are faster than a hand can move a head are carried along. Call after each face_aim
+ * or face_drag. Returns true if a bone has moved; face_show then shows it. */
+bool face_swing(face *f, int64_t time_ns);
+bool face_dof_swings(const face *f, uint32_t dof); /* a spring moves this degree of freedom */
+/* 0..1: the share of the swing that is shown; initially that of the rig. 0: they hold still. Call
+ * between frames. */
+void face_set_springs(face *f, double share);
+/* Moves the time of the last face_swing to another clock. */
+void face_shift_time(face *f, int64_t by_ns);
+
 /* ---- unanchored ---- */
 
 /* Drags the shape from `from` to `to`, then poses it. The points are carried back through the
@@ -204,12 +221,13 @@ csrbf_settings face_settings(const face *f);
 face_control face_control_at(const face *f, uint32_t control);
 
 typedef struct face_meter {
-    double slope_bound;       /* of the field; below 1 nothing folds */
-    double penetration_mm;    /* greatest depth of skin below its floor, before the projection
-                                 corrected it */
-    uint32_t projected_count; /* number of vertices that the projection moved; for tests */
-    float dof[MRT_MAX_DOFS];  /* as posed, including derived and limited values */
-    uint32_t dropped_count;   /* engaged controls that can move nothing (mobility 0) */
+    double slope_bound;         /* of the field; below 1 nothing folds */
+    double penetration_mm;      /* greatest depth of skin below its floor, before the projection
+                                   corrected it */
+    uint32_t projected_count;   /* number of vertices that the projection moved; for tests */
+    float dof[MRT_MAX_DOFS];    /* as posed, including derived and limited values, and the swing */
+    float driven[MRT_MAX_DOFS]; /* the same without the swing of loose parts */
+    uint32_t dropped_count;     /* engaged controls that can move nothing (mobility 0) */
     double held_back_mm; /* greatest distance by which a control falls short of its end, because the
                             skin would fold or tear; 0 if nothing is held back */
 } face_meter;

@@ -73,6 +73,25 @@ typedef struct rig_turn {
     rig_follow follows;
 } rig_turn;
 
+/* Of a ball: "spring": { "tip", "frequency_hz", "damping", "inertia", "gravity", "radius_mm" }. The
+ * part swings about the pose to which its turns are driven, within their limits. */
+typedef struct rig_spring {
+    vec3 tip;            /* the middle of its mass, mm */
+    double frequency_hz; /* of its free swing; 0: the bone does not swing */
+    double damping;      /* ratio: 1 returns without swinging on */
+    double inertia;      /* 0..1: share of the motion of its root that the mass resists */
+    double gravity;      /* 0..1: share of the weight that pulls it down when its parent tilts */
+    double radius_mm;    /* of the ball around the tip that collision shapes push away */
+} rig_spring;
+#define RIG_SPRING_LEAST_HZ     0.2
+#define RIG_SPRING_MOST_HZ      20.0
+#define RIG_SPRING_LEAST_DAMPED 0.02
+#define RIG_SPRING_MOST_DAMPED  4.0
+#define RIG_SPRING_LEAST_MM     0.1 /* least distance of the tip from the centre */
+/* A spring as most loose parts have it. */
+#define RIG_SPRING_HZ      3.0
+#define RIG_SPRING_DAMPING 0.3
+
 typedef struct rig_bone {
     char *name;
     rig_bone_kind kind;
@@ -87,6 +106,7 @@ typedef struct rig_bone {
     double radius_mm;             /* 0: not given */
     rig_turn turn[RIG_TURNS_MAX]; /* the first listed is applied last (outermost) */
     uint32_t turn_count;
+    rig_spring spring;
 } rig_bone;
 
 typedef struct rig_region {
@@ -180,6 +200,7 @@ typedef struct rig {
     uint32_t bone_count, region_count, contact_count, proxy_count, pose_count, contact_set_count;
     csrbf_settings solver; /* radius in mm; 0 if not set */
     double shapes;  /* 0..1: strength with which the mesh's own shapes answer pulls; default 1 */
+    double springs; /* 0..1: share of their swing that loose parts show; 0: they hold still */
     void *document; /* the JSON that was read, with keys that this version does not know */
     char *note;     /* unknown keys and other remarks, lines that end in \n; NULL if none */
     size_t copied_bytes; /* memory that rig_copy took for it; 0 if it is not a copy */

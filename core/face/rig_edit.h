@@ -93,6 +93,11 @@ CHECKED mrt_result rig_edit_remove_turn(rig *r, uint32_t bone, uint32_t turn, er
 CHECKED mrt_result rig_edit_set_turn(rig *r, uint32_t bone, uint32_t turn, const rig_turn *to,
                                      error *err);
 
+/* Lets a ball swing, or sets the values of its spring. frequency_hz 0: it no longer swings. */
+CHECKED mrt_result rig_edit_set_spring(rig *r, uint32_t bone, const rig_spring *spring, error *err);
+/* Sets the share of their swing that loose parts show, 0..1. */
+CHECKED mrt_result rig_edit_set_springs(rig *r, double share, error *err);
+
 /* ---- collision shapes ---- */
 
 CHECKED mrt_result rig_edit_add_proxy(rig *r, const rig_proxy *proxy, uint32_t *out_index,

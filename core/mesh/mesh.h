@@ -82,7 +82,8 @@ typedef struct mesh_expression {
 /* A joint of a skeleton. Parents come before their children. */
 typedef struct mesh_joint {
     char *name;      /* of its node; "" if the file has none */
-    char *role;      /* its name in VRM ("head", "jaw", "leftEye"); "": not in the file */
+    char *role;      /* its name in VRM ("head", "jaw", "leftEye"), "spring": the first joint of a
+                        chain that VRM swings; "": not in the file */
     uint32_t parent; /* index into mesh.joint; MESH_NO_JOINT: a root */
     float rest[12];  /* transform from joint to mesh at rest: three rows of four; the last number of
                         a row is in mm */

@@ -113,7 +113,8 @@ static void go_on(performed *p, uint64_t seed)
     double from[CONTACTS][3], to[CONTACTS][3], reached[3 * CONTACTS];
     error err = {""};
     for (uint32_t i = 0; i < b->dof_count; ++i)
-        dof[i] = b->dof[i].min + (float)unit(&seed) * (b->dof[i].max - b->dof[i].min);
+        if (!face_dof_swings(p->face, i)) /* hands do not drive loose parts */
+            dof[i] = b->dof[i].min + (float)unit(&seed) * (b->dof[i].max - b->dof[i].min);
     if (unit(&seed) < 0.2)
         engage(p, scene_next(&seed));
     for (uint32_t i = 0; i < CONTACTS; ++i) {

@@ -200,6 +200,26 @@ static void humanoid_maps_of_both_vrm_name_the_joints(void **state)
     }
 }
 
+/* A joint that has a role keeps it. */
+static void chains_that_vrm_swings_are_named(void **state)
+{
+    (void)state;
+    static const char *const chains[] = {
+        ",'extensions':{'VRM':{'humanoid':{'humanBones':[{'bone':'neck','node':1}]},"
+        "'secondaryAnimation':{'boneGroups':[{'stiffiness':1,'bones':[1,2,77,'x']},7]}}}",
+        ",'extensions':{'VRMC_vrm':{'humanoid':{'humanBones':{'neck':{'node':1}}}},"
+        "'VRMC_springBone':{'springs':[{'joints':[{'node':2},{'node':1}]},{'joints':7},3]}}"};
+    skin_buffer b = good_buffer();
+    for (int i = 0; i < 2; ++i) {
+        char json[6000];
+        (void)snprintf(json, sizeof json, "%s%s", SKIN_DATA SKIN_MESH SKIN_NODES(""), chains[i]);
+        mesh m = read_good(&b, json);
+        assert_string_equal(m.joint[0].role, "neck");
+        assert_string_equal(m.joint[1].role, "spring");
+        mesh_destroy(&m);
+    }
+}
+
 static void extensions_of_any_kind_are_no_harm(void **state)
 {
     (void)state;
@@ -208,6 +228,8 @@ static void extensions_of_any_kind_are_no_harm(void **state)
                                            "{'VRM':{'humanoid':{'humanBones':{'head':1}}}}",
                                            "{'VRMC_vrm':{'humanoid':{'humanBones':[]}}}",
                                            "{'VRMC_vrm':'head'}",
+                                           "{'VRM':{'secondaryAnimation':{'boneGroups':3}}}",
+                                           "{'VRMC_springBone':{'springs':{'joints':1}}}",
                                            "{'VRMC_vrm':{'humanoid':{'humanBones':{'head':"
                                            "{'node':99999999999999}}}}}"};
     skin_buffer b = good_buffer();
@@ -292,6 +314,7 @@ int main(void)
         cmocka_unit_test(a_skin_in_another_pose_is_put_into_it),
         cmocka_unit_test(more_than_four_influences_keep_the_largest),
         cmocka_unit_test(humanoid_maps_of_both_vrm_name_the_joints),
+        cmocka_unit_test(chains_that_vrm_swings_are_named),
         cmocka_unit_test(extensions_of_any_kind_are_no_harm),
         cmocka_unit_test(nonsense_in_a_skin_is_refused),
         cmocka_unit_test(a_copy_has_the_skeleton_too),

@@ -39,6 +39,7 @@ static void begin(person *p)
     scene_must(
         performer_create(&p->performer, &p->file, &p->mapping, &(performer_settings){0}, &err),
         &err);
+    face_set_springs(composer_face(p->performer->composer), 0.0); /* the hand alone is measured */
     while (strcmp(p->file.rig->bone[p->skull].name, "skull") != 0)
         p->skull += 1;
     for (uint32_t i = 0; i < MRT_ANGLES; ++i)

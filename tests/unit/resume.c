@@ -234,6 +234,7 @@ static void what_was_kept_by_another_clock_goes_on_too(void **state)
     scene_stand_up(&s, &play, &file);
     scene_must(performer_load(s.performer, told->kept[7].bytes, told->kept[7].size, &err), &err);
     layer_shift_time(s.performer->voice[0].layer, later_ns);
+    composer_shift_time(s.performer->composer, later_ns);
     for (uint32_t n = kept_after[7] + 1; n < SAMPLES; ++n) {
         uint32_t input;
         mrt_sample sample = scene_sample(n, &input);

@@ -478,9 +478,34 @@ static void a_missing_mesh_names_the_rig_and_the_place(void **state)
     assert_non_null(strstr(err.text, "not_there.glb: No such file"));
 }
 
+/* A bone of the Moai that is a loose part: the jaw's vertices hang on it. */
+static void loose_parts_that_are_none_are_named(void **state)
+{
+    (void)state;
+    static char turn[] = "nod";
+    rig *r = moai.rig;
+    const rig_bone kept = r->bone[0];
+    r->bone[0] = (rig_bone){.name = kept.name,
+                            .kind = BONE_BALL,
+                            .parent = RIG_NONE,
+                            .turn_count = 1,
+                            .turn[0] = {turn, {1, 0, 0}, -0.3, 0.3, {0}},
+                            .spring = {{0, 90, 0}, 3.0, 0.3, 1.0, 0.0, 0.0}};
+    rig_findings found = check_moai();
+    (void)find(&found, "no bone carries it");
+    (void)find(&found, "% of the mesh; mark only the loose part");
+    rig_findings_finish(&found);
+    r->bone[0].turn[0].axis = (vec3){0, 1, 0};
+    found = check_moai();
+    (void)find(&found, "its turns go about the line from its centre to its tip");
+    rig_findings_finish(&found);
+    r->bone[0] = kept;
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(loose_parts_that_are_none_are_named),
         cmocka_unit_test(rigs_of_the_project_have_no_errors_no_warnings_and_no_stale_hash),
         cmocka_unit_test(another_vertex_count_names_both),
         cmocka_unit_test(another_hash_is_a_note),

@@ -195,6 +195,34 @@ static void what_a_lid_cannot_follow_is_refused(void **state)
 #undef LID
 }
 
+static void springs_that_cannot_swing_are_refused(void **state)
+{
+    (void)state;
+#define HAIR(spring)                                                                               \
+    "\"bones\": [{\"name\": \"skull\"}, {\"name\": \"hair\", \"ball\": {\"centre\": [0,0,0]}, "    \
+    "\"turns\": [{\"name\": \"nod\", \"axis\": [1,0,0], \"deg\": [-20,20]}], \"spring\": " spring  \
+    "}]"
+#define AT "$.bones[1].spring"
+    assert_refused(HAIR("3"), AT, "tip and frequency_hz");
+    assert_refused(HAIR("{\"frequency_hz\": 3}"), AT ".tip", "three numbers");
+    assert_refused(HAIR("{\"tip\": [0,9,0]}"), AT ".frequency_hz", "from 0.2 to 20");
+    assert_refused(HAIR("{\"tip\": [0,9,0], \"frequency_hz\": 0}"), AT ".frequency_hz",
+                   "from 0.2 to 20");
+    assert_refused(HAIR("{\"tip\": [0,9,0], \"frequency_hz\": 3, \"damping\": -1}"), AT ".damping",
+                   "from 0.02 to 4");
+    assert_refused(HAIR("{\"tip\": [0,9,0], \"frequency_hz\": 3, \"inertia\": 2}"), AT ".inertia",
+                   "from 0 to 1");
+    assert_refused(HAIR("{\"tip\": [0,9,0], \"frequency_hz\": 3, \"gravity\": \"g\"}"),
+                   AT ".gravity", "from 0 to 1");
+    assert_refused(HAIR("{\"tip\": [0,0,0], \"frequency_hz\": 3}"), AT ".tip", "no length");
+    assert_refused("\"bones\": [{\"name\": \"skull\"}, {\"name\": \"hat\", \"spring\": {\"tip\": "
+                   "[0,9,0], \"frequency_hz\": 3}}]",
+                   AT, "only a bone with a ball");
+    assert_refused("\"springs\": 2", "$.springs", "from 0 to 1");
+#undef AT
+#undef HAIR
+}
+
 static void wrong_regions_are_refused(void **state)
 {
     (void)state;
@@ -349,6 +377,7 @@ int main(void)
         cmocka_unit_test(unknown_keys_are_listed_and_do_no_harm),
         cmocka_unit_test(bones_that_cannot_move_are_refused),
         cmocka_unit_test(what_a_lid_cannot_follow_is_refused),
+        cmocka_unit_test(springs_that_cannot_swing_are_refused),
         cmocka_unit_test(wrong_regions_are_refused),
         cmocka_unit_test(wrong_contacts_are_refused),
         cmocka_unit_test(wrong_settings_are_refused),

@@ -104,6 +104,43 @@ static void an_eye_is_added_and_read_again(void **state)
     rig_destroy(&r);
 }
 
+static void a_loose_part_swings_and_is_read_again(void **state)
+{
+    (void)state;
+    rig r;
+    error err = {""};
+    uint32_t index = RIG_NONE;
+    const rig_spring spring = {{0, 90, 0}, 2.5, 0.2, 0.5, 0.1, 8.0};
+    rig_spring wrong = spring;
+    make(&r);
+    must(rig_edit_add_bone(&r, "hair", BONE_BALL, (vec3){0, 60, 0}, 12.0, &index, &err), &err);
+    refused(rig_edit_set_spring(&r, 1, &spring, &err), &err, "not a ball");
+    wrong.frequency_hz = (double)NAN;
+    refused(rig_edit_set_spring(&r, index, &wrong, &err), &err, "0.2 to 20 Hz");
+    wrong = spring;
+    wrong.damping = -0.1;
+    refused(rig_edit_set_spring(&r, index, &wrong, &err), &err, "a damping of 0.02 to 4");
+    wrong = spring;
+    wrong.tip = (vec3){0, 60, 0};
+    refused(rig_edit_set_spring(&r, index, &wrong, &err), &err, "away from its centre");
+    must(rig_edit_set_spring(&r, index, &spring, &err), &err);
+    refused(rig_edit_set_springs(&r, 1.5, &err), &err, "from 0 to 1");
+    must(rig_edit_set_springs(&r, 0.0, &err), &err);
+    again(&r);
+    const rig_spring *read = &r.bone[index].spring;
+    assert_float_equal(read->tip.y, 90.0, 1e-9);
+    assert_float_equal(read->frequency_hz, 2.5, 1e-9);
+    assert_float_equal(read->damping, 0.2, 1e-9);
+    assert_float_equal(read->inertia, 0.5, 1e-9);
+    assert_float_equal(read->gravity, 0.1, 1e-9);
+    assert_float_equal(read->radius_mm, 8.0, 1e-9);
+    assert_true(r.springs == 0.0);
+    must(rig_edit_set_spring(&r, index, &(rig_spring){.frequency_hz = 0.0}, &err), &err);
+    again(&r);
+    assert_true(r.bone[index].spring.frequency_hz == 0.0);
+    rig_destroy(&r);
+}
+
 static const double degree = 3.14159265358979323846 / 180.0;
 
 static void the_turns_of_a_ball_are_changed_and_read_again(void **state)
@@ -533,6 +570,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_eye_is_added_and_read_again),
+        cmocka_unit_test(a_loose_part_swings_and_is_read_again),
         cmocka_unit_test(the_turns_of_a_ball_are_changed_and_read_again),
         cmocka_unit_test(poses_follow_a_turn_and_forget_it),
         cmocka_unit_test(a_lid_follows_a_turn_that_is_renamed_moved_and_taken_out),

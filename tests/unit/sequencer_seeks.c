@@ -161,6 +161,14 @@ static void one_hand_is_the_same_from_wherever_it_is_sought(void **state)
                      FILM_DEMO);
 }
 
+/* The head of the puppet turns, so its tuft and ears swing. */
+static void loose_parts_are_the_same_from_wherever_they_are_sought(void **state)
+{
+    (void)state;
+    seek_in_all_ways(&(scene_play){.mapping = "one_hand", .face = "puppet", .params = "samples=20"},
+                     FILM_DEMO);
+}
+
 static void two_inputs_are_the_same_from_wherever_they_are_sought(void **state)
 {
     (void)state;
@@ -422,6 +430,7 @@ int main(void)
         cmocka_unit_test(anchored_is_the_same_from_wherever_it_is_sought),
         cmocka_unit_test(unanchored_is_the_same_from_wherever_it_is_sought),
         cmocka_unit_test(one_hand_is_the_same_from_wherever_it_is_sought),
+        cmocka_unit_test(loose_parts_are_the_same_from_wherever_they_are_sought),
         cmocka_unit_test(two_inputs_are_the_same_from_wherever_they_are_sought),
         cmocka_unit_test(damaged_states_are_left_aside),
         cmocka_unit_test(what_was_prepared_needs_no_file),

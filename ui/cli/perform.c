@@ -1175,15 +1175,26 @@ static mrt_result prepare_curves(curve_performance *self, error *err)
     return result < 0 ? result : exports_video_open(&self->videos, &settings, err);
 }
 
+/* A table of a performance has the swing of loose parts. They must not swing again. */
+static void hold_swung(curve_performance *self)
+{
+    face *f = composer_face(self->composer);
+    for (uint32_t i = 0; i < composer_about(self->composer)->dof_count; ++i)
+        if (self->at.dof[i] != CURVE_TABLE_NONE && face_dof_swings(f, i))
+            face_set_springs(f, 0.0);
+}
+
 static mrt_result perform_rows(curve_performance *self, error *err)
 {
     mrt_result result = MRT_OK;
+    hold_swung(self);
     progress_start(&self->progress, "performing");
     for (uint32_t row = 0; row < self->table.row_count && result >= 0; ++row) {
         mrt_pull pull;
         read_pull(self, row, &pull);
         const composer_part part = {.weight = 1.0, .gain = 1.0, .is_fresh = true, .pull = &pull};
         composer_move(self->composer, &part, 1, 1.0 / self->fps);
+        composer_swing(self->composer, (int64_t)(row / self->fps * (double)NS_PER_S));
         composer_draw(self->composer);
         result = exports_video_add(&self->videos, self->composer, err);
         if (result >= 0)

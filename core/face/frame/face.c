@@ -158,7 +158,15 @@ void face_set_pose(face *f, const float *dof, const rigid *pose)
 {
     memcpy(f->dof, dof, sizeof f->dof);
     memcpy(f->pose, pose, sizeof f->pose);
-    bones_limit(f->meter.dof, &f->bones, dof);
+    face_note_dofs(f, dof);
+}
+
+void face_note_dofs(face *f, const float *dof)
+{
+    float posed[MRT_MAX_DOFS] = {0};
+    bones_limit(f->meter.driven, &f->bones, dof);
+    face_add_swing(f, posed, dof);
+    bones_limit(f->meter.dof, &f->bones, posed);
 }
 
 static void release_controls(face *f)
@@ -186,6 +194,7 @@ void face_reset(face *f)
     rigid pose[RIG_BONES_MAX];
     for (uint32_t b = 0; b < RIG_BONES_MAX; ++b)
         pose[b] = rigid_identity();
+    face_springs_rest(f);
     face_set_pose(f, still, pose);
     face_set_least_weights(f, NULL);
     points_copy(&f->base, &f->rest);

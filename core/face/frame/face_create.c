@@ -309,6 +309,8 @@ static mrt_result create_parts(face *f, const mesh *m, error *err)
     if (result >= 0)
         face_tongue_create(f);
     if (result >= 0)
+        face_springs_create(f);
+    if (result >= 0)
         result = face_shown_create(f, err);
     return result;
 }

@@ -289,7 +289,7 @@ mrt_result face_drag(face *f, const csrbf_settings *settings, const double *from
         result = face_resolve_dofs(f, resolved, dof, NULL, err);
     if (result < 0)
         return result;
-    bones_pose(pose, &f->bones, resolved);
+    face_pose_bones(f, pose, resolved);
     carry_back(f, from, to, count, pose);
     begin_drag(f);
     face_assign(f, f->next_grip, count);

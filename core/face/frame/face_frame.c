@@ -60,7 +60,7 @@ mrt_result face_resolve_dofs(face *f, float *out, const float *dof, const double
     if (!end || f->control_count == 0)
         return MRT_OK;
     rigid pose[RIG_BONES_MAX];
-    bones_pose(pose, b, out);
+    face_pose_bones(f, pose, out);
     find_jaw_targets(f, pose, end, f->g);
     bones_derive_jaw(jaw, b, f->position, f->g, f->scratch, f->control_count);
     return MRT_OK;
@@ -176,7 +176,7 @@ mrt_result face_aim(face *f, const double *end, const float *dof, error *err)
         return result;
     if (f->shapes.count > 0 && f->shapes.amount > 0.0)
         face_shapes_solve(f, resolved, dof, end);
-    bones_pose(pose, &f->bones, resolved);
+    face_pose_bones(f, pose, resolved);
     solve_grips(f, end, pose);
     result = weigh_controls(f, pose, &slope, err);
     if (result < 0)
@@ -196,13 +196,13 @@ mrt_result face_pull(face *f, const double *end, const float *dof, error *err)
     return result;
 }
 
-/* Poses the bones that `dof` drives. The others are at rest. */
+/* Poses the bones that `dof` drives, and lets loose parts swing. The others are at rest. */
 static void pose_driven(const face *f, rigid *pose, float driven[MRT_MAX_DOFS], const float *dof)
 {
     memset(driven, 0, MRT_MAX_DOFS * sizeof *driven);
     for (uint32_t i = 0; i < f->bones.dof_count; ++i)
         driven[i] = dof && isfinite(dof[i]) ? dof[i] : 0.0f;
-    bones_pose(pose, &f->bones, driven);
+    face_pose_bones(f, pose, driven);
 }
 
 void face_ride(const face *f, double *end, const uint8_t *rides, const float *dof)

@@ -836,7 +836,7 @@ static void begin_frame(face *f, const float *resolved, uint32_t derived, const 
     for (uint32_t d = 0; d < f->bones.dof_count; ++d)
         if (is_derived(f, d, derived))
             held[d] = 0.0f;
-    bones_pose(pose, &f->bones, held);
+    face_pose_bones(f, pose, held);
     for (uint32_t k = 0; k < f->control_count; ++k) {
         const face_grip *grip = &f->grip[k];
         blend posed = face_blend_at(f, grip, pose);

@@ -137,6 +137,7 @@ size_t face_save(const face *f, void *bytes, size_t capacity)
     bytes_write_u32(&out, f->bones.dof_count);
     for (uint32_t i = 0; i < f->bones.dof_count; ++i)
         bytes_write_f64(&out, (double)f->dof[i]);
+    face_springs_write(&out, f);
     write_shape_weights(&out, &f->shapes);
     bytes_write_u32(&out, f->origin == &f->free ? ORIGIN_FREE : ORIGIN_BASE);
     write_shape(&out, &f->base, &f->rest);
@@ -234,6 +235,7 @@ mrt_result face_load(face *f, const void *bytes, size_t size, error *err)
             "the stored state belongs to another face, or to another version of marotte");
     for (uint32_t i = 0; i < f->bones.dof_count; ++i)
         dof[i] = read_float(&in);
+    face_springs_read(&in, f);
     read_shape_weights(&in, f);
     bool is_free = bytes_read_u32(&in) == ORIGIN_FREE;
     read_shape(&in, &f->base, &f->rest);
@@ -243,7 +245,7 @@ mrt_result face_load(face *f, const void *bytes, size_t size, error *err)
         goto damaged;
     f->origin = is_free ? &f->free : &f->base;
     face_mark_all_stale(f);
-    bones_pose(pose, &f->bones, dof);
+    face_pose_bones(f, pose, dof);
     face_set_pose(f, dof, pose);
     if (!read_controls(&in, f) || in.at != in.end)
         goto damaged;

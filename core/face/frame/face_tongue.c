@@ -77,8 +77,8 @@ void face_tongue_limit(face *f)
     rigid pose[RIG_BONES_MAX];
     memcpy(dof, f->dof, sizeof dof);
     dof[at] = (float)bones_soft_limit_inverse(most_rad, turn->min_rad, turn->max_rad);
-    bones_pose(pose, &f->bones, dof);
-    bones_limit(f->meter.dof, &f->bones, dof);
+    face_pose_bones(f, pose, dof);
+    face_note_dofs(f, dof);
     f->pose[t->bone] = pose[t->bone];
     face_weigh_bone(f, f->weight, t->bone, f->pose);
     face_weigh_bone(f, f->given, t->bone, f->pose);

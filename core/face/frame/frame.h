@@ -2,12 +2,15 @@
  * folder share. */
 #ifndef MAROTTE_FACE_FRAME_FRAME_H
 #define MAROTTE_FACE_FRAME_FRAME_H
+#include "base/angle.h"
 #include "base/arrays.h"
+#include "base/bytes.h"
 #include "face/frame/blend.h"
 #include "face/face.h"
 #include "face/frame/projection.h"
 
 enum { FACE_BONES_PER_CONTROL = 4, FACE_POSE_COLUMNS = 4 };
+enum { FACE_SWINGS = 2 }; /* turns of a bone that its spring swings */
 
 /* A bone: how far each vertex follows its motion, and the displacement field that moves these
  * vertices first. */
@@ -193,6 +196,27 @@ typedef struct face_tongue {
     double height_mm; /* height of the part in front of the lips at its greatest turn */
 } face_tongue;
 
+/* A bone with a spring, and its mass. Positions in mm, velocities in mm/s, as shown. */
+typedef struct face_spring {
+    uint32_t bone;
+    uint32_t turn[FACE_SWINGS], turn_count; /* turns of the bone that move the tip */
+    double reach_mm;                        /* of the tip, from the bone that carries it */
+    bool has_place;                         /* else it is at rest, and the rest is not known */
+    vec3 tip, way[FACE_SWINGS];             /* of the last step, without the swing */
+    vec3 position, velocity;                /* of the mass */
+    double swing_rad[FACE_SWINGS];
+} face_spring;
+
+/* The loose parts: face_springs.c. */
+typedef struct face_springs {
+    face_spring of[RIG_BONES_MAX]; /* parents first */
+    uint32_t count;
+    bool swings[RIG_BONES_MAX]; /* of each bone: it has a spring, or rides on a bone that has one */
+    double share;               /* 0..1, of the swing */
+    bool has_time;
+    int64_t time_ns; /* of the last step */
+} face_springs;
+
 struct face {
     arrays arrays;  /* owner of all arrays here, except those that face_destroy frees one by one */
     const rig *rig; /* may be NULL */
@@ -234,7 +258,7 @@ struct face {
     double *g, *position, *scratch, *gain; /* control_capacity by 3, gain by 1 */
     double *tip, *step, *pull, *from, *to; /* drag: control_capacity by 3 */
 
-    float dof[MRT_MAX_DOFS]; /* as requested or derived, before limits */
+    float dof[MRT_MAX_DOFS]; /* as requested or derived, before limits, without the swing */
     rigid pose[RIG_BONES_MAX];
     face_meter meter;
     uint32_t engagement;
@@ -246,6 +270,7 @@ struct face {
     face_limit limit;
     face_lips lips;
     face_tongue tongue;
+    face_springs springs;
 };
 
 /* ---- face_grip.c ---- */
@@ -276,6 +301,8 @@ void face_weigh_bone(const face *f, double *weight, uint32_t bone, const rigid *
 bool face_is_posed(const face *f);
 /* Makes the dofs and poses of a frame current. */
 void face_set_pose(face *f, const float *dof, const rigid *pose);
+/* Sets meter.dof and meter.driven for these driven dofs. */
+void face_note_dofs(face *f, const float *dof);
 
 /* ---- face_engage.c ---- */
 
@@ -341,6 +368,18 @@ double face_lips_open_mm(face *f);
 void face_tongue_create(face *f);
 /* Turns the tongue back behind the lips. Call when f->given and the lips of a frame are known. */
 void face_tongue_limit(face *f);
+
+/* ---- face_springs.c: without springs all of these do nothing ---- */
+
+void face_springs_create(face *f);
+/* Brings all parts to rest, wherever the bones are next. */
+void face_springs_rest(face *f);
+/* Writes dof with the swing added, for bones_pose. out may be dof. */
+void face_add_swing(const face *f, float *out, const float *dof);
+/* bones_pose of the driven degrees of freedom and the swing. */
+void face_pose_bones(const face *f, rigid *out, const float *dof);
+void face_springs_write(bytes_out *out, const face *f);
+void face_springs_read(bytes_in *in, face *f);
 
 /* ---- face_limit.c ---- */
 

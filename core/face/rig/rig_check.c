@@ -762,6 +762,71 @@ static void check_jaw(checking *c)
     check_moved(c, jaw, &path);
 }
 
+/* ---- loose parts ---- */
+
+static const double loose_most = 0.5; /* share of the vertices of the face and head */
+
+static bool is_moved(const rig *r, uint32_t bone)
+{
+    for (; bone != RIG_NONE; bone = r->bone[bone].parent)
+        if (r->bone[bone].kind == BONE_JAW || r->bone[bone].turn_count > 0)
+            return true;
+    return false;
+}
+
+/* Returns the share of the vertices that the bone, and the bones that ride on it, carry. */
+static double share_carried(const checking *c, uint32_t bone)
+{
+    const binding *b = c->binding;
+    uint32_t count = 0;
+    for (uint32_t v = 0; v < b->vertex_count; ++v) {
+        double share = 0.0;
+        for (uint32_t i = 0; i < b->bone_count; ++i) {
+            uint32_t on = i;
+            while (on != RIG_NONE && on != bone)
+                on = c->r->bone[on].parent;
+            if (on == bone)
+                share += (double)b->weight[(size_t)i * b->vertex_count + v];
+        }
+        count += share > 0.5;
+    }
+    return b->vertex_count > 0 ? (double)count / b->vertex_count : 0.0;
+}
+
+static void check_springs(checking *c)
+{
+    for (uint32_t i = 0; i < c->r->bone_count; ++i) {
+        const rig_bone *bone = &c->r->bone[i];
+        const json_path path = rig_entry_path(c->r, RIG_BONES, i);
+        const vec3 arm = vec3_sub(bone->spring.tip, bone->centre);
+        bool swings = false;
+        if (!(bone->spring.frequency_hz > 0.0))
+            continue;
+        for (uint32_t k = 0; k < bone->turn_count; ++k)
+            swings |= vec3_length(vec3_cross(bone->turn[k].axis, arm)) > 0.05 * vec3_length(arm);
+        if (!swings)
+            report(c, RIG_WARNING, path.text,
+                   "\"%s\" does not swing: its turns go about the line from its centre to its tip; "
+                   "choose axes across that line",
+                   bone->name);
+        if (bone->parent == RIG_NONE)
+            report(c, RIG_WARNING, path.text,
+                   "\"%s\" does not swing: no bone carries it; set \"parent\" to the bone that it "
+                   "hangs on",
+                   bone->name);
+        else if (!is_moved(c->r, bone->parent))
+            report(c, RIG_NOTE, path.text,
+                   "\"%s\" does not swing: \"%s\", which carries it, cannot turn", bone->name,
+                   c->r->bone[bone->parent].name);
+        const double share = c->binding ? share_carried(c, i) : 0.0;
+        if (share > loose_most)
+            report(c, RIG_WARNING, path.text,
+                   "\"%s\" swings, but it carries %.0f %% of the mesh; mark only the loose part "
+                   "with it",
+                   bone->name, 100.0 * share);
+    }
+}
+
 /* ---- poses ---- */
 
 static void check_pulls(checking *c, const rig_pose *pose, const char *path, double head_mm)
@@ -1078,6 +1143,7 @@ mrt_result rig_check(rig_findings *out, const rig *r, const mesh *m, const topol
     if (c.marks)
         check_contacts(&c);
     check_jaw(&c);
+    check_springs(&c);
     check_mouth(&c);
     check_poses(&c);
     if (!c.marks)

@@ -10,6 +10,7 @@
 #include "face/rig_edit.h"
 #include "mesh/position.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -51,6 +52,7 @@ typedef struct drafting {
     uint32_t patch_count;
     double reach_mm; /* height from the nose down to the chin: the unit of measure of a face */
     json_t *bones, *regions, *contacts;
+    uint8_t *is_loose; /* piece_count: the piece swings, so it is not rigid */
     rig_mouth mouth;
     char no_mouth[BIND_FAULT]; /* why no mouth was found; "" if one was */
     char *confirm;             /* lines */
@@ -240,7 +242,7 @@ static void add_rigid_pieces(drafting *d, const char *bone, piece_kind kind, uin
     anatomy_source source = like->source;
     for (uint32_t i = first; i < d->a.piece_count; ++i) {
         const anatomy_piece *p = &d->a.piece[i];
-        if (p->kind != kind || strcmp(part_name(d, p->part), name) != 0)
+        if (p->kind != kind || strcmp(part_name(d, p->part), name) != 0 || d->is_loose[i])
             continue;
         json_array_append_new(list, piece_select(p));
         source = p->source < source ? p->source : source;
@@ -261,7 +263,7 @@ static void add_rigid_pieces(drafting *d, const char *bone, piece_kind kind, uin
 static bool is_same_as_earlier(const drafting *d, uint32_t piece)
 {
     for (uint32_t i = 0; i < piece; ++i)
-        if (d->a.piece[i].kind == d->a.piece[piece].kind &&
+        if (!d->is_loose[i] && d->a.piece[i].kind == d->a.piece[piece].kind &&
             strcmp(part_name(d, d->a.piece[i].part), part_name(d, d->a.piece[piece].part)) == 0)
             return true;
     return false;
@@ -284,7 +286,7 @@ static void draft_pieces(drafting *d)
             bone = "skull";
         if (!d->a.has_face && kind == PIECE_RIDES && d->a.head_joint != MESH_NO_JOINT)
             bone = NULL;
-        if (bone && !is_same_as_earlier(d, i))
+        if (bone && !d->is_loose[i] && !is_same_as_earlier(d, i))
             add_rigid_pieces(d, bone, kind, i);
     }
 }
@@ -768,17 +770,325 @@ static void draft_jaw(drafting *d)
         incisor.x, incisor.y, incisor.z);
 }
 
-static json_t *draft_proxy(drafting *d)
+static void find_skull(const drafting *d, vec3 *out_centre, vec3 *out_radii)
 {
     const rig_head *head = &d->head;
     double height = head->top_y - head->chin.y, depth = head->nose.z - head->back_z;
-    vec3 centre = {head->middle_x, head->chin.y + 0.6 * height, head->back_z + 0.45 * depth};
-    vec3 radii = {0.85 * head->half_width, 0.36 * height, 0.36 * depth};
+    *out_centre = (vec3){head->middle_x, head->chin.y + 0.6 * height, head->back_z + 0.45 * depth};
+    *out_radii = (vec3){0.85 * head->half_width, 0.36 * height, 0.36 * depth};
+}
+
+static json_t *draft_proxy(drafting *d)
+{
+    vec3 centre, radii;
+    find_skull(d, &centre, &radii);
     rig_note(
         &d->confirm,
         "skull_proxy: one ellipsoid that the skin cannot enter; check that it is below the skin");
     return json_pack("[{s{so, so, ss}}]", "ellipsoid", "centre", point_of(centre), "radii",
                      point_of(radii), "bone", "skull");
+}
+
+/* ---- loose parts ----
+ *
+ * Hair, ears and hats that hang on the head swing: chains of joints that VRM swings or that are
+ * named so, and pieces of such a name that stick out. */
+
+typedef struct loose_kind {
+    const char *word; /* in the name of the joint or part; also the name of the bone */
+    double frequency_hz, damping;
+    int most_deg;
+    double out; /* least length of a piece from its root, in heights of the head */
+} loose_kind;
+
+static const loose_kind loose_kinds[] = {
+    {"ponytail", 2.2, 0.3, 20, 0.25}, {"pigtail", 2.2, 0.3, 20, 0.25},
+    {"braid", 2.2, 0.3, 20, 0.25},    {"antenna", 3.0, 0.15, 20, 0.15},
+    {"feather", 3.0, 0.2, 20, 0.15},  {"tassel", 2.5, 0.2, 25, 0.1},
+    {"ribbon", 2.5, 0.3, 20, 0.1},    {"earring", 3.0, 0.2, 25, 0.05},
+    {"ear", 4.0, 0.25, 14, 0.12},     {"tuft", 3.0, 0.25, 18, 0.1},
+    {"hair", 2.5, 0.3, 12, 0.35},     {"hat", 3.0, 0.35, 8, 0.35}};
+enum { LOOSE_KINDS = sizeof loose_kinds / sizeof *loose_kinds, LOOSE_MOST = 6 };
+static const loose_kind loose_joint = {"spring", 2.5, 0.3, 15, 0.05}; /* of VRM, without a word */
+#define LOOSE_HELD 0.25 /* of a piece's way out of the skull: up to here it rides on the skull */
+#define LOOSE_FREE 0.7  /* from here it rides on its own bone */
+
+typedef struct loose_part {
+    const loose_kind *kind;
+    vec3 root, tip;      /* mm */
+    json_t *free, *held; /* selectors; held NULL: the file's skin gives the shares */
+    const char *name;    /* of the joint or part */
+    anatomy_source source;
+} loose_part;
+
+/* True if the word stands alone: "Hair_01", "ear.l", "frontHair", but not "gear". */
+static bool has_word(const char *name, const char *word)
+{
+    for (const char *at = name; *at; ++at) {
+        size_t i = 0;
+        while (word[i] && tolower((unsigned char)at[i]) == word[i])
+            ++i;
+        bool begins = at == name || !isalpha((unsigned char)at[-1]) ||
+                      (islower((unsigned char)at[-1]) && isupper((unsigned char)at[0]));
+        const char *end = at[i] == 's' ? at + i + 1 : at + i;
+        if (!word[i] && begins && !islower((unsigned char)*end))
+            return true;
+    }
+    return false;
+}
+
+static const loose_kind *loose_kind_of(const char *name)
+{
+    for (int i = 0; i < LOOSE_KINDS; ++i)
+        if (has_word(name, loose_kinds[i].word))
+            return &loose_kinds[i];
+    return NULL;
+}
+
+static bool has_bone(const drafting *d, const char *name)
+{
+    size_t i;
+    json_t *bone;
+    json_array_foreach(d->bones, i, bone)
+    {
+        if (strcmp(json_string_value(json_object_get(bone, "name")), name) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* Rounds to 0.01. */
+static json_t *axis_of(vec3 axis)
+{
+    return json_pack("[ooo]", rig_number_to_json(round(100.0 * axis.x) / 100.0),
+                     rig_number_to_json(round(100.0 * axis.y) / 100.0),
+                     rig_number_to_json(round(100.0 * axis.z) / 100.0));
+}
+
+static json_t *swing_of(const char *name, vec3 axis, int most_deg)
+{
+    return json_pack("{ss, so, s[ii]}", "name", name, "axis", axis_of(axis), "deg", -most_deg,
+                     most_deg);
+}
+
+static void add_loose_region(drafting *d, const char *bone, json_t *select)
+{
+    json_array_append_new(d->regions, json_pack("{ss, si, si, so}", "bone", bone, "weight", 1,
+                                                "mobility", 0, "select", select));
+}
+
+/* Takes the selectors. */
+static void add_loose_part(drafting *d, const loose_part *p)
+{
+    const vec3 arm = vec3_normalised(vec3_sub(p->tip, p->root), (vec3){0, 1, 0});
+    const double side = p->tip.x - d->head.middle_x, height = d->head.top_y - d->head.chin.y;
+    const char *suffix = side > 0.12 * height ? ".l" : side < -0.12 * height ? ".r" : "";
+    char name[32];
+    (void)snprintf(name, sizeof name, "%s%s", p->kind->word, suffix);
+    for (int n = 2; has_bone(d, name); ++n)
+        (void)snprintf(name, sizeof name, "%s%d%s", p->kind->word, n, suffix);
+    json_t *turns;
+    if (fabs(arm.x) < 0.7) {
+        const vec3 x = {1, 0, 0}, aside = vec3_normalised(vec3_cross(arm, x), (vec3){0, 0, 1});
+        turns = json_pack("[oo]", swing_of("nod", x, p->kind->most_deg),
+                          swing_of("sway", aside, p->kind->most_deg));
+    } else { /* both sides swing forwards and up in the same sense */
+        const double to = arm.x > 0.0 ? 1.0 : -1.0;
+        turns = json_pack("[oo]", swing_of("flap", (vec3){0, -to, 0}, p->kind->most_deg),
+                          swing_of("lift", (vec3){0, 0, to}, p->kind->most_deg));
+    }
+    add_ball(d, name, NULL, p->root, 0.0, turns);
+    json_object_set_new(json_array_get(d->bones, json_array_size(d->bones) - 1), "spring",
+                        json_pack("{so, so, so, so, so}", "tip", point_of(p->tip), "frequency_hz",
+                                  rig_number_to_json(p->kind->frequency_hz), "damping",
+                                  rig_number_to_json(p->kind->damping), "inertia",
+                                  rig_number_to_json(0.5), "gravity", rig_number_to_json(0.1)));
+    if (p->held)
+        add_loose_region(d, "skull", p->held);
+    add_loose_region(d, name, p->free);
+    rig_note(&d->confirm, "bone %s: \"%s\" swings when the head moves, %s", name, p->name,
+             sure[p->source]);
+}
+
+/* ---- chains of joints ---- */
+
+static bool is_below(const mesh *m, uint32_t joint, uint32_t above)
+{
+    while (joint != MESH_NO_JOINT && joint != above)
+        joint = m->joint[joint].parent;
+    return joint == above;
+}
+
+static bool is_loose_joint(const mesh_joint *joint)
+{
+    const bool is_of_vrm = joint->role && strcmp(joint->role, "spring") == 0;
+    return is_of_vrm || (!(joint->role && joint->role[0]) && loose_kind_of(joint->name));
+}
+
+/* Computes the middle of the vertices that follow the joint and those below it. Returns their
+ * number, in whole shares. */
+static double measure_joint(const drafting *d, uint32_t joint, vec3 *out_middle)
+{
+    const mesh *m = d->m;
+    vec3 sum = {0, 0, 0};
+    double shares = 0.0;
+    for (uint32_t v = 0; v < m->vertex_count; ++v)
+        for (uint32_t k = 0; k < MESH_SKIN_WIDTH; ++k) {
+            const size_t at = (size_t)v * MESH_SKIN_WIDTH + k;
+            const double share = (double)m->skin_weight[at];
+            if (!(share > 0.0) || !is_below(m, m->skin_joint[at], joint))
+                continue;
+            sum = vec3_add(sum, vec3_scale(mesh_position(m, v), share));
+            shares += share;
+        }
+    *out_middle = vec3_scale(sum, 1.0 / fmax(shares, 1.0));
+    return shares;
+}
+
+/* Marks the pieces that mostly follow the joint: they must not be rigid. */
+static void mark_loose_pieces(drafting *d, uint32_t joint)
+{
+    for (uint32_t i = 0; i < d->a.piece_count; ++i) {
+        const anatomy_piece *p = &d->a.piece[i];
+        uint32_t count = 0;
+        for (uint32_t k = 0; p->kind == PIECE_RIDES && k < p->point_count; ++k) {
+            const uint32_t v = d->a.member[p->first_member + k];
+            count += is_below(d->m, d->m->skin_joint[(size_t)v * MESH_SKIN_WIDTH], joint);
+        }
+        d->is_loose[i] |= count > 0;
+    }
+}
+
+static uint32_t draft_loose_joints(drafting *d)
+{
+    const mesh *m = d->m;
+    const double height = d->head.top_y - d->head.chin.y;
+    uint32_t count = 0;
+    for (uint32_t j = 0; d->a.head_joint != MESH_NO_JOINT && m->skin_joint && j < m->joint_count &&
+                         count < LOOSE_MOST;
+         ++j) {
+        const mesh_joint *joint = &m->joint[j];
+        const loose_kind *kind = loose_kind_of(joint->name);
+        if (j == d->a.head_joint || !is_loose_joint(joint) || !joint->name[0] ||
+            !is_below(m, j, d->a.head_joint) || is_loose_joint(&m->joint[joint->parent]))
+            continue;
+        loose_part part = {
+            .kind = kind ? kind : &loose_joint,
+            .root = {(double)joint->rest[3], (double)joint->rest[7], (double)joint->rest[11]},
+            .name = joint->name,
+            .source = BY_SKELETON};
+        const double shares = measure_joint(d, j, &part.tip);
+        if (shares < 12.0 || shares > 0.5 * d->m->vertex_count ||
+            vec3_length(vec3_sub(part.tip, part.root)) < 0.04 * height)
+            continue;
+        part.free = json_pack("{ss}", "joint", joint->name);
+        mark_loose_pieces(d, j);
+        add_loose_part(d, &part);
+        count += 1;
+    }
+    return count;
+}
+
+/* ---- pieces that stick out ---- */
+
+static double out_of_skull(vec3 p, vec3 centre, vec3 radii)
+{
+    const vec3 way = vec3_sub(p, centre);
+    return vec3_length((vec3){way.x / radii.x, way.y / radii.y, way.z / radii.z});
+}
+
+/* Of the pieces of one part, on one side for ears: the ends of the way out of the skull. */
+typedef struct loose_pieces {
+    const loose_kind *kind;
+    uint32_t part;
+    int side;
+} loose_pieces;
+
+static int side_of(const drafting *d, const anatomy_piece *p, const loose_kind *kind)
+{
+    const bool is_pair = strcmp(kind->word, "ear") == 0 || strcmp(kind->word, "earring") == 0;
+    return !is_pair ? 0 : p->mean.x > d->head.middle_x ? 1 : -1;
+}
+
+static bool is_among(const drafting *d, uint32_t piece, const loose_pieces *of)
+{
+    const anatomy_piece *p = &d->a.piece[piece];
+    return p->kind == PIECE_RIDES && p->part == of->part && !d->is_loose[piece] &&
+           side_of(d, p, of->kind) == of->side;
+}
+
+/* Returns the middle of their points between two places on the way out. */
+static vec3 middle_of(const drafting *d, const loose_pieces *of, double from, double to,
+                      uint32_t *out_count)
+{
+    vec3 centre, radii, sum = {0, 0, 0};
+    find_skull(d, &centre, &radii);
+    *out_count = 0;
+    for (uint32_t i = 0; i < d->a.piece_count; ++i)
+        for (uint32_t k = 0; is_among(d, i, of) && k < d->a.piece[i].point_count; ++k) {
+            const vec3 p = mesh_position(d->m, d->a.member[d->a.piece[i].first_member + k]);
+            const double out = out_of_skull(p, centre, radii);
+            if (out < from || out > to)
+                continue;
+            sum = vec3_add(sum, p);
+            *out_count += 1;
+        }
+    return vec3_scale(sum, 1.0 / fmax(*out_count, 1.0));
+}
+
+static bool draft_loose_pieces_of(drafting *d, const loose_pieces *of)
+{
+    vec3 centre, radii;
+    double low = INFINITY, high = 0.0;
+    const double height = d->head.top_y - d->head.chin.y;
+    find_skull(d, &centre, &radii);
+    for (uint32_t i = 0; i < d->a.piece_count; ++i)
+        for (uint32_t k = 0; is_among(d, i, of) && k < d->a.piece[i].point_count; ++k) {
+            const vec3 p = mesh_position(d->m, d->a.member[d->a.piece[i].first_member + k]);
+            low = fmin(low, out_of_skull(p, centre, radii));
+            high = fmax(high, out_of_skull(p, centre, radii));
+        }
+    const double held = low + LOOSE_HELD * (high - low),
+                 free_from = low + LOOSE_FREE * (high - low);
+    uint32_t held_count, free_count;
+    loose_part part = {.kind = of->kind, .name = part_name(d, of->part), .source = BY_NAME};
+    part.root = middle_of(d, of, 0.0, held, &held_count);
+    part.tip = middle_of(d, of, free_from, INFINITY, &free_count);
+    if (held_count < 6 || free_count < 6 ||
+        vec3_length(vec3_sub(part.tip, part.root)) < of->kind->out * height)
+        return false;
+    const vec3 arm = vec3_normalised(vec3_sub(part.tip, part.root), (vec3){0, 1, 0});
+    if (strcmp(of->kind->word, "hat") == 0 && arm.y < 0.7)
+        return false; /* a brim is wide, but holds still */
+    json_t *list = json_array();
+    for (uint32_t i = 0; i < d->a.piece_count; ++i)
+        if (is_among(d, i, of))
+            json_array_append_new(list, piece_select(&d->a.piece[i]));
+    json_t *all = any_of(list);
+    part.held = json_pack("{s[Oo]}", "all", all, ellipsoid(centre, vec3_scale(radii, held)));
+    part.free =
+        json_pack("{s[o{so}]}", "all", all, "not", ellipsoid(centre, vec3_scale(radii, free_from)));
+    for (uint32_t i = 0; i < d->a.piece_count; ++i)
+        d->is_loose[i] |= is_among(d, i, of);
+    add_loose_part(d, &part);
+    return true;
+}
+
+static void draft_loose_parts(drafting *d)
+{
+    uint32_t count = draft_loose_joints(d);
+    for (uint32_t i = 0; i < d->a.piece_count && count < LOOSE_MOST; ++i) {
+        const anatomy_piece *p = &d->a.piece[i];
+        const loose_kind *kind =
+            p->kind == PIECE_RIDES ? loose_kind_of(part_name(d, p->part)) : NULL;
+        if (!kind || d->is_loose[i])
+            continue;
+        bool is_known = false;
+        const loose_pieces of = {kind, p->part, side_of(d, p, kind)};
+        for (uint32_t k = 0; k < i; ++k)
+            is_known |= is_among(d, k, &of);
+        count += !is_known && draft_loose_pieces_of(d, &of);
+    }
 }
 
 /* Finds out whether the jaw and the body have vertices. */
@@ -833,6 +1143,9 @@ static json_t *draft_document(drafting *d, const char *mesh_name)
     else
         add_held(d, "skull",
                  half_space((vec3){0.0, d->a.piece[d->a.face].low.y - 1.0, 0.0}, (vec3){0, 1, 0}));
+    memset(d->is_loose, 0, d->a.piece_count);
+    if (d->ambition < WITHOUT_LIDS && d->has_body && d->a.has_face)
+        draft_loose_parts(d);
     if (d->ambition < WITHOUT_PIECES)
         draft_pieces(d);
     double radius_mm = round(0.27 * size_mm);
@@ -1457,7 +1770,8 @@ mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const top
         rig_anatomy_finish(&d.a);
         return result;
     }
-    result = find_mouth(&d, cut_mouth, cut_count, err);
+    d.is_loose = calloc((size_t)d.a.piece_count + 1, 1);
+    result = d.is_loose ? find_mouth(&d, cut_mouth, cut_count, err) : no_memory(err);
     for (bool is_done = result < 0; !is_done && d.ambition < AMBITIONS;) {
         bool is_clay = false;
         trial tried = {true, true};
@@ -1492,6 +1806,7 @@ mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const top
     if (result >= 0 && (result = add_mouth(out, &d, err)) < 0)
         rig_destroy(out);
     drop_mouth(&d.mouth);
+    free(d.is_loose);
     rig_anatomy_finish(&d.a);
     if (result >= 0 && cut_mouth) {
         out->cut_mouth = malloc(cut_count * sizeof *cut_mouth);

@@ -712,6 +712,58 @@ mrt_result rig_edit_set_ball(rig *r, uint32_t index, vec3 centre, double radius_
     return MRT_OK;
 }
 
+mrt_result rig_edit_set_spring(rig *r, uint32_t bone, const rig_spring *spring, error *err)
+{
+    mrt_result result = check_index(bone, r->bone_count, "bone", err);
+    if (result < 0)
+        return result;
+    rig_bone *to = &r->bone[bone];
+    if (spring->frequency_hz == 0.0) {
+        to->spring = (rig_spring){.frequency_hz = 0.0};
+        return MRT_OK;
+    }
+    if (to->kind != BONE_BALL)
+        return error_set(err, MRT_ERR_ARGUMENT, "the bone \"%s\" is not a ball, so it cannot swing",
+                         to->name);
+    if (!(spring->frequency_hz >= RIG_SPRING_LEAST_HZ &&
+          spring->frequency_hz <= RIG_SPRING_MOST_HZ) ||
+        !(spring->damping >= RIG_SPRING_LEAST_DAMPED &&
+          spring->damping <= RIG_SPRING_MOST_DAMPED) ||
+        !(spring->inertia >= 0.0 && spring->inertia <= 1.0) ||
+        !(spring->gravity >= 0.0 && spring->gravity <= 1.0) ||
+        !(spring->radius_mm >= 0.0 && spring->radius_mm <= farthest_mm))
+        return error_set(
+            err, MRT_ERR_ARGUMENT,
+            "the spring of \"%s\" needs %g to %g Hz, a damping of %g to %g, and shares "
+            "from 0 to 1",
+            to->name, RIG_SPRING_LEAST_HZ, RIG_SPRING_MOST_HZ, RIG_SPRING_LEAST_DAMPED,
+            RIG_SPRING_MOST_DAMPED);
+    if (!is_position(spring->tip) ||
+        !(vec3_length(vec3_sub(spring->tip, to->centre)) >= RIG_SPRING_LEAST_MM))
+        return error_set(
+            err, MRT_ERR_ARGUMENT,
+            "the tip of \"%s\" must lie away from its centre: place it in the middle of "
+            "the loose part",
+            to->name);
+    const rig_spring before = to->spring;
+    to->spring =
+        (rig_spring){.tip = round_position(spring->tip, before.tip),
+                     .frequency_hz = round_share(spring->frequency_hz, before.frequency_hz),
+                     .damping = round_share(spring->damping, before.damping),
+                     .inertia = round_share(spring->inertia, before.inertia),
+                     .gravity = round_share(spring->gravity, before.gravity),
+                     .radius_mm = round_mm(spring->radius_mm, before.radius_mm)};
+    return MRT_OK;
+}
+
+mrt_result rig_edit_set_springs(rig *r, double share, error *err)
+{
+    if (!is_share(share))
+        return error_set(err, MRT_ERR_ARGUMENT, "the share of the swing must be from 0 to 1");
+    r->springs = round_share(share, r->springs);
+    return MRT_OK;
+}
+
 mrt_result rig_edit_set_parent(rig *r, uint32_t index, uint32_t parent, error *err)
 {
     mrt_result result = check_removable(r, index, err);

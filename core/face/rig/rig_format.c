@@ -506,6 +506,49 @@ static void write_turns(json_t *to, const void *of, rig_writing *w)
     rig_set(to, "turns", turns, w);
 }
 
+/* ---- ball: a spring ---- */
+
+static const rig_field spring_fields[] = {
+    {OF("tip", rig_spring, tip, FIELD_POINT)},
+    {NUMBER("frequency_hz", rig_spring, frequency_hz, RIG_SPRING_LEAST_HZ, RIG_SPRING_MOST_HZ)},
+    {NUMBER_OR("damping", rig_spring, damping, RIG_SPRING_LEAST_DAMPED, RIG_SPRING_MOST_DAMPED,
+               FIELD_OPTIONAL, RIG_SPRING_DAMPING)},
+    {NUMBER_OR("inertia", rig_spring, inertia, 0.0, 1.0, FIELD_OPTIONAL, 1.0)},
+    {NUMBER_OR("gravity", rig_spring, gravity, 0.0, 1.0, FIELD_OPTIONAL, 0.0)},
+    {NUMBER_OR("radius_mm", rig_spring, radius_mm, 0.0, 1e4, FIELD_OPTIONAL, 0.0)},
+    {.key = NULL}};
+
+static mrt_result read_spring(void *out, const json_node *at, rig_reading *in, error *err)
+{
+    rig_bone *bone = out;
+    json_node spring = json_node_member(at, "spring");
+    if (!spring.value)
+        return MRT_OK;
+    bone->spring.damping = RIG_SPRING_DAMPING;
+    bone->spring.inertia = 1.0;
+    mrt_result result = json_node_object(&spring, "an object with tip and frequency_hz", err);
+    if (result >= 0)
+        result = rig_fields_read(&bone->spring, spring_fields, &spring, in, err);
+    if (result < 0)
+        return result;
+    double arm_mm = vec3_length(vec3_sub(bone->spring.tip, bone->centre));
+    if (!(arm_mm >= RIG_SPRING_LEAST_MM))
+        return error_set(err, MRT_ERR_FORMAT,
+                         "%s.tip: it is %.3g mm from the centre of the ball, so the part has no "
+                         "length that can swing; place it in the middle of the loose part",
+                         spring.path.text, arm_mm);
+    return MRT_OK;
+}
+
+static void write_spring(json_t *to, const void *of, rig_writing *w)
+{
+    const rig_bone *bone = of;
+    if (bone->spring.frequency_hz > 0.0)
+        rig_fields_write(rig_set_object(to, "spring", w), spring_fields, &bone->spring, w);
+    else
+        json_object_del(to, "spring");
+}
+
 /* ---- bones of any kind ---- */
 
 static const rig_field hinge_fields[] = {{OF("left", rig_bone, hinge_left, FIELD_POINT)},
@@ -538,7 +581,8 @@ static const rig_field bone_fields[][9] = {
     [BONE_BALL] = {{BONE_NAME},
                    {BONE_PARENT},
                    {OBJECT("ball", ball_fields, "an object {\"centre\": [x,y,z]}", NULL)},
-                   {CUSTOM("turns", read_turns, write_turns)}}};
+                   {CUSTOM("turns", read_turns, write_turns)},
+                   {CUSTOM("spring", read_spring, write_spring)}}};
 
 static mrt_result check_dofs(const rig *r, const json_node *last, error *err)
 {
@@ -569,6 +613,11 @@ static mrt_result read_bone(rig *r, uint32_t index, const json_node *at, rig_rea
     if (has_hinge && has_ball)
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: has both a hinge and a ball; a bone can have only one of them",
+                         at->path.text);
+    if (!has_ball && json_object_get(at->value, "spring"))
+        return error_set(err, MRT_ERR_FORMAT,
+                         "%s.spring: only a bone with a ball can swing; give it a \"ball\" at its "
+                         "root and \"turns\" with its limits",
                          at->path.text);
     mrt_result result = rig_fields_read(bone, bone_fields[bone->kind], at, in, err);
     r->bone_count = index + 1; /* can be a parent of the bones that follow */
@@ -1376,6 +1425,7 @@ const rig_field rig_root_fields[] = {
      .inner = solver_fields,
      .expected = "an object with kernel and radius_mm"},
     {NUMBER_OR("shapes", rig, shapes, 0.0, 1.0, FIELD_OPTIONAL, 1.0)},
+    {NUMBER_OR("springs", rig, springs, 0.0, 1.0, FIELD_OPTIONAL, 1.0)},
     {CUSTOM("regions", read_sections, NULL)}, /* and the other sections, which need the mouth */
     {.key = NULL}};
 
@@ -1387,6 +1437,7 @@ static mrt_result finish_reading(rig *out, rig_document *d, const char *path, er
     out->path = strdup(path);
     out->mm_per_unit = d->file[d->file_count - 1].mm_per_unit;
     out->shapes = 1.0;
+    out->springs = 1.0;
     for (uint32_t i = 0; i < d->file_count; ++i) {
         json_node root = {d->file[i].root, d->file[i].root_path};
         rig_fields_note_unknown(rig_root_fields, &root, &in);

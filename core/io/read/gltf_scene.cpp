@@ -220,6 +220,28 @@ void set_role(std::vector<std::string> &role, const tinygltf::Value &node, const
         role[(size_t)index] = name;
 }
 
+/* The first joints of the chains that VRM swings: "boneGroups" of VRM 0, "springs" of VRM 1. */
+void name_springs(std::vector<std::string> &role, const tinygltf::Model &model)
+{
+    auto old = model.extensions.find("VRM"), now = model.extensions.find("VRMC_springBone");
+    if (now != model.extensions.end()) {
+        const tinygltf::Value &springs = gltf_member(now->second, "springs");
+        for (size_t i = 0; springs.IsArray() && i < springs.ArrayLen(); ++i) {
+            const tinygltf::Value &joints = gltf_member(springs.Get((int)i), "joints");
+            if (joints.IsArray() && joints.ArrayLen() > 0)
+                set_role(role, gltf_member(joints.Get(0), "node"), "spring");
+        }
+    } else if (old != model.extensions.end()) {
+        const tinygltf::Value &groups =
+            gltf_member(gltf_member(old->second, "secondaryAnimation"), "boneGroups");
+        for (size_t i = 0; groups.IsArray() && i < groups.ArrayLen(); ++i) {
+            const tinygltf::Value &bones = gltf_member(groups.Get((int)i), "bones");
+            for (size_t k = 0; bones.IsArray() && k < bones.ArrayLen(); ++k)
+                set_role(role, bones.Get((int)k), "spring");
+        }
+    }
+}
+
 /* VRM 0: a list of {bone, node}; VRM 1: {bone: {node}}. */
 std::vector<std::string> humanoid_roles(const tinygltf::Model &model)
 {
@@ -240,6 +262,7 @@ std::vector<std::string> humanoid_roles(const tinygltf::Model &model)
                 set_role(role, gltf_member(bone, "node"), name.Get<std::string>());
         }
     }
+    name_springs(role, model);
     return role;
 }
 

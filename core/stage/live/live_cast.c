@@ -451,7 +451,7 @@ static mrt_result switch_mapping(live_stage *stage, void *data, error *err)
         return MRT_HOLD;
     const face *posed = composer_face(stage->scene->performer->composer);
     c->old =
-        layer_replace(of, &c->role->instance, &c->room, face_metered(posed)->dof, c->keeps_clay);
+        layer_replace(of, &c->role->instance, &c->room, face_metered(posed)->driven, c->keeps_clay);
     stage->role = c->role;
     stage->reload = NULL;
     return live_cast_begin(stage, c, err);

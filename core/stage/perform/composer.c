@@ -442,7 +442,7 @@ static void show_only(composer *self, bool (*keep)(const part_state *v))
 {
     if (!self->engaged)
         return;
-    aim(self, keep, face_metered(self->face)->dof);
+    aim(self, keep, face_metered(self->face)->driven);
     show(self);
 }
 
@@ -538,7 +538,7 @@ static void hold_positions(composer *self, const double *position, const bool *i
         any |= is_new_grip[k];
     }
     if (any)
-        face_unride(self->face, way, face_metered(self->face)->dof);
+        face_unride(self->face, way, face_metered(self->face)->driven);
     for (uint32_t k = 0; k < self->control_count; ++k) {
         joined_control *c = &self->control[k];
         if (!is_new_grip[k])
@@ -1224,6 +1224,16 @@ void composer_move(composer *self, const composer_part *part, uint32_t count, do
     end_step(self);
 }
 
+void composer_swing(composer *self, int64_t time_ns)
+{
+    self->stale |= face_swing(self->face, time_ns);
+}
+
+void composer_shift_time(composer *self, int64_t by_ns)
+{
+    face_shift_time(self->face, by_ns);
+}
+
 bool composer_is_near(const composer *self, const mrt_pull *pull)
 {
     double end[MRT_MAX_VECTORS * 3];
@@ -1279,7 +1289,7 @@ uint32_t composer_targets(const composer *self, composer_target out[MRT_MAX_VECT
     float dof[MRT_MAX_DOFS] = {0};
     uint32_t count = self->engaged ? self->control_count : 0;
     memcpy(way, self->aimed, (size_t)count * 3 * sizeof *way);
-    bones_unlimit(dof, face_bones(self->face), face_metered(self->face)->dof);
+    bones_unlimit(dof, face_bones(self->face), face_metered(self->face)->driven);
     face_unride(self->face, way, dof);
     for (uint32_t k = 0; k < count; ++k) {
         const double *end = self->aimed + 3 * k;

@@ -243,6 +243,8 @@ mrt_result scheduler_next(scheduler *self, int64_t now_ns, sample_step *out, int
 void scheduler_insert(scheduler *self, sample_step *s)
 {
     set_time(s, self->rule == SCHEDULE_RECORDED ? s->time_ns : in_order(self, s->time_ns));
+    if (self->rule != SCHEDULE_RECORDED)
+        s->due_ns = s->time_ns; /* a replay of the step is due at its recorded time */
     self->step_count += 1;
     self->sample_count += s->count;
     self->last_ns = s->time_ns;

@@ -622,8 +622,10 @@ static mrt_result resume(replay *self, const kept_parts *kept, performer *into, 
         palette_reset(&of->palette);
         frame_recompose(into, 0);
     }
-    if (result >= 0)
+    if (result >= 0) {
         layer_shift_time(self->layer, kept->show_offset_ns);
+        composer_shift_time(into->composer, kept->show_offset_ns);
+    }
     return result;
 }
 

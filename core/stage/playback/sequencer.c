@@ -284,14 +284,16 @@ static bool begins_with_its_shape(const sequencer *self, const play *p)
     return self->now_ns == BEFORE_ALL && p == &self->play[0];
 }
 
-static mrt_result begin_with_its_shape(sequencer *self, error *err)
+static mrt_result begin_with_its_shape(sequencer *self, int64_t show_ns, error *err)
 {
     composer *then = self->scratch->composer;
     size_t size = composer_save(then, NULL, 0);
     if (!reserve(self, size))
         return error_set(err, MRT_ERR_MEMORY, "no memory for the face shape");
     composer_save(then, self->scratch_bytes, size);
-    return composer_load(self->performer->composer, self->scratch_bytes, size, err);
+    mrt_result result = composer_load(self->performer->composer, self->scratch_bytes, size, err);
+    composer_shift_time(self->performer->composer, -show_ns);
+    return result;
 }
 
 static mrt_result start_play(sequencer *self, uint32_t lane, const take_clip *clip,
@@ -320,7 +322,7 @@ static mrt_result start_play(sequencer *self, uint32_t lane, const take_clip *cl
     if (result >= 0)
         result = replay_seek(p->replay, show_ns, err);
     if (result >= 0 && begins_with_its_shape(self, p))
-        result = begin_with_its_shape(self, err);
+        result = begin_with_its_shape(self, show_ns, err);
     if (result < 0)
         return result;
     cast_play(self, p);
@@ -634,6 +636,8 @@ static mrt_result recall(sequencer *self, int64_t at_ns, int64_t better_than_ns,
     self->now_ns =
         take_warp_to_timeline(clip, replay_now_ns(self->play[0].replay) - clip->from_ns) +
         offset_ns;
+    composer_shift_time(self->performer->composer,
+                        self->now_ns - replay_now_ns(self->play[0].replay));
     be_untouched(self);
     return MRT_OK;
 }

@@ -70,6 +70,8 @@ typedef struct rig_parting {    /* bones, collision shapes, poses */
     rig_naming turn_name;
     bool is_turn_held, has_own_axis; /* has_own_axis: custom axis selected */
     double tried_rad[RIG_TURNS_MAX]; /* tried on the face */
+    rig_spring spring;               /* of the selected ball, as shown */
+    bool is_spring_held;
 } rig_parting;
 
 typedef struct rig_shown {       /* state of the viewport */

@@ -281,7 +281,7 @@ static void add_pose(panel *self)
     const csrbf_settings solver = app_view(self->of)->solver;
     mrt_result result = rig_poses_of(&made, free_pose_name(rig_model_rig(self->model), name),
                                      work->face, MRT_MAX_VECTORS, &work->rig, &solver,
-                                     view->contact, view->meter.dof, &self->err);
+                                     view->contact, view->meter.driven, &self->err);
     if (result < 0) {
         rig_panel_report(self, self->err.text);
         return;
@@ -509,6 +509,101 @@ static void draw_ball(panel *self, ui *on, const rig_bone *bone)
             "move a ball");
 }
 
+/* ---- springs of loose parts ---- */
+
+static const ui_range frequency_range = {RIG_SPRING_LEAST_HZ, 10.0, "Hz", 1, false, RIG_SPRING_HZ};
+static const ui_range damping_range = {RIG_SPRING_LEAST_DAMPED, 2.0, "", 2, false,
+                                       RIG_SPRING_DAMPING};
+static const ui_range inertia_range = {0.0, 100.0, "%", 0, false, 50.0};
+static const ui_range weight_range = {0.0, 100.0, "%", 0, false, 0.0};
+
+static void set_spring(panel *self, const rig_spring *to, const char *words)
+{
+    rig *r = rig_panel_begin(self);
+    if (r)
+        (void)rig_panel_finish(self, rig_edit_set_spring(r, self->parting.bone, to, &self->err),
+                               words);
+}
+
+static bool is_same_spring(const rig_spring *a, const rig_spring *b)
+{
+    return is_same(a->tip, b->tip) && !(fabs(a->frequency_hz - b->frequency_hz) > 1e-9) &&
+           !(fabs(a->damping - b->damping) > 1e-9) && !(fabs(a->inertia - b->inertia) > 1e-9) &&
+           !(fabs(a->gravity - b->gravity) > 1e-9) && !(fabs(a->radius_mm - b->radius_mm) > 1e-9);
+}
+
+static bool draw_spring_number(ui *on, const char *label, const ui_range *range, double *value)
+{
+    (void)ui_slider(on, label, RIG_PANEL_LABEL, range, value);
+    return ui_slider_is_held(on);
+}
+
+static void draw_spring_values(panel *self, ui *on, const rig_bone *bone)
+{
+    rig_parting *parting = &self->parting;
+    if (!parting->is_spring_held)
+        parting->spring = bone->spring;
+    rig_spring *now = &parting->spring;
+    double inertia = 100.0 * now->inertia, weight = 100.0 * now->gravity;
+    bool is_held = draw_spring_number(on, "Frequency", &frequency_range, &now->frequency_hz);
+    ui_hint(on, "Set how often the part swings a second. A higher value is stiffer.");
+    is_held = draw_spring_number(on, "Damping", &damping_range, &now->damping) || is_held;
+    ui_hint(on, "Set how soon the swing ends. At 1 the part returns without swinging on.");
+    is_held = draw_spring_number(on, "Inertia", &inertia_range, &inertia) || is_held;
+    ui_hint(on, "Set how far the part stays behind when the head moves.");
+    is_held = draw_spring_number(on, "Gravity", &weight_range, &weight) || is_held;
+    ui_hint(on, "Set how far the part hangs down when the head tilts.");
+    ui_text(on, UI_STYLE_DIM, "Middle of its mass");
+    ui_id_begin(on, "tip");
+    is_held = draw_position(self, on, &now->tip) || is_held;
+    is_held = draw_mm(on, "Thickness", 0.0, 0.1 * size_of(self), &now->radius_mm) || is_held;
+    ui_hint(on, "Set the distance that the part keeps from collision shapes.");
+    ui_id_end(on);
+    now->inertia = inertia / 100.0;
+    now->gravity = weight / 100.0;
+    parting->is_spring_held = is_held;
+    if (!is_held && !is_same_spring(now, &bone->spring))
+        set_spring(self, now, "change a spring");
+}
+
+static void draw_spring(panel *self, ui *on, const rig_bone *bone)
+{
+    const uint64_t number = rig_model_number(self->model);
+    bool swings = bone->spring.frequency_hz > 0.0;
+    ui_id_begin(on, "spring");
+    if (ui_check(on, "Swings", &swings)) {
+        const rig_spring made = {.tip =
+                                     vec3_add(bone->centre, (vec3){0.0, 0.1 * size_of(self), 0.0}),
+                                 .frequency_hz = RIG_SPRING_HZ,
+                                 .damping = RIG_SPRING_DAMPING,
+                                 .inertia = 0.5};
+        const rig_spring none = {.frequency_hz = 0.0};
+        self->parting.is_spring_held = false;
+        set_spring(self, swings ? &made : &none, swings ? "let a part swing" : "hold a part still");
+    }
+    ui_hint(on, "Let this part swing when the head moves. Its turns set how far.");
+    if (number == rig_model_number(self->model) && bone->spring.frequency_hz > 0.0)
+        draw_spring_values(self, on, bone);
+    ui_id_end(on);
+}
+
+/* Draws the switch that holds all loose parts still. */
+static void draw_still(panel *self, ui *on, const rig *r)
+{
+    bool any = false, is_still = !(r->springs > 0.0);
+    for (uint32_t i = 0; i < r->bone_count; ++i)
+        any |= r->bone[i].spring.frequency_hz > 0.0;
+    if (!any)
+        return;
+    if (ui_check(on, "Hold loose parts still", &is_still)) {
+        rig *to = rig_panel_begin(self);
+        if (to)
+            (void)rig_panel_finish(self, rig_edit_set_springs(to, is_still ? 0.0 : 1.0, &self->err),
+                                   is_still ? "hold loose parts still" : "let loose parts swing");
+    }
+    ui_hint(on, "Stop all loose parts of this rig from swinging.");
+}
+
 static bool has_region(const rig *r, uint32_t bone)
 {
     for (uint32_t i = 0; i < r->region_count; ++i)
@@ -575,6 +670,8 @@ static void draw_bone(panel *self, ui *on, const rig *r)
         draw_ball(self, on, bone);
     if (number == rig_model_number(self->model) && bone->kind == BONE_BALL)
         draw_turns(self, on, index);
+    if (number == rig_model_number(self->model) && bone->kind == BONE_BALL && !stays)
+        draw_spring(self, on, bone);
     if (number == rig_model_number(self->model) && bone->kind == BONE_JAW)
         ui_text_wrapped(on, UI_STYLE_DIM, "Drag the axis of this bone in the tab \"Jaw\".");
     ui_disabled_begin(on, stays);
@@ -591,6 +688,7 @@ static void draw_bones(panel *self, ui *on)
     list_bones(self, on, rig_model_rig(self->model));
     if (self->parting.bone != RIG_NONE)
         draw_bone(self, on, rig_model_rig(self->model));
+    draw_still(self, on, rig_model_rig(self->model));
     ui_width(on, -(RIG_PANEL_RIGHT - removes_at + 16.0f));
     (void)ui_choice(on, "New", RIG_PANEL_LABEL, kind_items, 3, &self->parting.kind);
     ui_hint(on, "Choose the kind of bone to add.");
