@@ -35,7 +35,6 @@ typedef struct palette {
     uint32_t count;
     bool is_known; /* has had a sample */
     int64_t time_ns;
-    double dt_s;   /* from the sample before to the last one, at most 0.1 */
     mrt_pull pull; /* anchored, or idle: no pose has any strength. The contacts that poses move come
                       first */
     uint32_t moved_count, contact_count; /* of these, and of all in `pull` */
@@ -46,9 +45,6 @@ typedef struct palette {
 void palette_init(palette *out, const mapped_face *mapped);
 void palette_reset(palette *self);
 bool palette_is_route(const channel_route *route);
-/* Whether all samples of the step are of a palette. Such a step performs the palette alone: hands,
- * patch and mapping do not notice it. */
-bool palette_is_alone(const sample_step *s);
 /* Call for every step, in time order. Reads the samples of palettes. Returns true if the step has
  * one. reach: shortens the pull to it. */
 bool palette_read(palette *self, const guard *reach, const sample_step *s);
