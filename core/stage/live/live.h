@@ -154,6 +154,16 @@ uint32_t live_palette_count(const live *self);
 void live_palette_set(live *self, uint32_t pose, double strength);
 void live_palette_send(live *self, double fade_s);
 
+/* ---- life: what the face does by itself, see life.h ---- */
+
+/* Follows soon, but a first input not before the end of a take that is recorded. The face lives
+ * while hands perform it; over a take it does where the take has no life of its own. */
+void live_set_life(live *self, const life_settings *to);
+/* Why the face does not live though it should; "": it does. */
+const char *live_life_trouble(const live *self);
+/* Why this face cannot; NULL: it can. Valid as long as the process. */
+const char *live_life_missing(const live *self, life_kind kind);
+
 /* ---- the mapping ---- */
 
 /* Crossfades to another mapping. "": none. The shape that hands kneaded eases to rest, unless the

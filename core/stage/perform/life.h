@@ -44,6 +44,13 @@ typedef enum life_channel {
 #define LIFE_LIDS_QUIET_S 2.0
 #define LIFE_EYES_QUIET_S 1.0
 
+/* What a person sets. */
+typedef struct life_settings {
+    bool is_on[LIFE_KINDS];
+    double strength[LIFE_KINDS]; /* 0..1 */
+    uint32_t seed;               /* 0..LIFE_SEED_MOST */
+} life_settings;
+
 /* Writes the LIFE_CHANNELS channels. Valid as long as the process. */
 const mrt_channel *life_channels(void);
 bool life_is_route(const channel_route *route);

@@ -1006,10 +1006,11 @@ static void follow_inputs(panel *self)
     self->input_count = count;
 }
 
-/* The palette is in the panel Poses, which keeps it. */
-static bool is_palette(live *stage, uint32_t index)
+/* The palette and life are in the panel Poses. */
+static bool is_of_poses(live *stage, uint32_t index)
 {
-    return strcmp(input_plugin(live_input(stage, index))->id, PALETTE_ID) == 0;
+    const char *id = input_plugin(live_input(stage, index))->id;
+    return strcmp(id, PALETTE_ID) == 0 || strcmp(id, LIFE_ID) == 0;
 }
 
 static void draw_inputs(panel *self, ui *on)
@@ -1018,7 +1019,7 @@ static void draw_inputs(panel *self, ui *on)
     uint32_t removed = UINT32_MAX, drawn = 0;
     char id[32];
     for (uint32_t i = 0; i < live_input_count(stage); ++i) {
-        if (is_palette(stage, i))
+        if (is_of_poses(stage, i))
             continue;
         drawn += 1;
         (void)snprintf(id, sizeof id, "input %u", i);
