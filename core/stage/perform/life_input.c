@@ -65,18 +65,20 @@ static bool is_alive(const double *params)
 static bool plan(mrt_plugin *self, const double *params, int64_t now_ns)
 {
     const bool lives = is_alive(params);
-    if (!self->has_begun || (lives && self->rests) || now_ns - self->due_ns > late_most_ns) {
-        self->begin_ns = self->has_begun ? self->begin_ns : now_ns;
-        self->due_ns = now_ns > self->due_ns ? now_ns : self->due_ns;
-        self->rests_at_ns = lives ? INT64_MAX : now_ns; /* one tick tells that it rests */
-        self->rests = false;
+    if (!self->has_begun) { /* its first tick tells that it rests */
+        self->begin_ns = self->due_ns = self->rests_at_ns = now_ns;
         self->has_begun = true;
     }
+    if (self->rests && !lives)
+        return false;
+    if (self->rests || now_ns - self->due_ns > late_most_ns)
+        self->due_ns = now_ns;
+    self->rests = false;
     if (lives)
         self->rests_at_ns = INT64_MAX;
     else if (self->rests_at_ns == INT64_MAX)
         self->rests_at_ns = now_ns + ease_ns;
-    return !self->rests;
+    return true;
 }
 
 static mrt_result read_life(mrt_plugin *self, const double *params, int64_t deadline_ns,
