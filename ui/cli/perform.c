@@ -1409,7 +1409,7 @@ const command command_perform = {
         "perform --face puppet --input log:demo --map one_hand --export out/puppet.glb\n"
         "perform --face moai --input log:demo_hand.csv,end=8 --map anchored --export out/moai.png\n"
         "perform --face puppet --input log:demo --map one_hand --record show.marotte\n"
-        "perform --face puppet --life on --seconds 20 --export out/alive.mp4\n"
+        "perform --face puppet --life on --seconds 5 --export out/alive.glb\n"
         "perform --face puppet --curves curves.csv --export out/again.glb\n",
     .run = run,
 };
