@@ -167,7 +167,7 @@ static void watch(life_watch_state *of, double value, double least, double dt_s)
 static double blink_interval_s(life *self)
 {
     const double share = random_share(self);
-    return (0.9 + 7.4 * share * share) * (1.5 - 0.36 * self->wanted[LIFE_BLINK]);
+    return (0.9 + 7.4 * share * share) * (1.46 - 0.24 * self->wanted[LIFE_BLINK]);
 }
 
 static void begin_blink(life *self, bool is_double)
