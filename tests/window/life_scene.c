@@ -104,7 +104,8 @@ static void switches_and_strengths_are_undone(void **state)
     open_alive(&s, true);
     scene_do(&s, ACTION_PANEL_POSES);
     scene_frames(&s, 3);
-    assert_non_null(scene_word(&s, "Life"));
+    scene_click_word(&s, "Life");
+    scene_frames(&s, 2);
     scene_click_word(&s, "Blinks");
     scene_frames(&s, 2);
     assert_false(kept_life_now(life_of(&s))->is_on[LIFE_BLINK]);

@@ -464,7 +464,7 @@ static void draw_life(panel *self, ui *on)
     if (!self->is_life_held)
         self->life = *kept_life_now(app_life(self->app));
     self->is_life_held = false;
-    if (!ui_section(on, "Life", true))
+    if (!ui_section(on, "Life", false))
         return;
     for (int kind = 0; kind < LIFE_KINDS; ++kind)
         draw_life_of(self, on, (life_kind)kind);
