@@ -72,6 +72,7 @@ static void a_new_show_lives_and_an_old_one_keeps_its_switches(void **state)
     moment m = moment_of(&s);
     assert_true(scene_until(&s, has_moved, &m));
     free(m.rows);
+    assert_non_null(scene_word(&s, "Try a demo hand")); /* life is no device */
     life_settings to = *kept_life_now(life_of(&s));
     to.is_on[LIFE_GAZE] = false;
     to.strength[LIFE_BREATH] = 0.25;

@@ -101,6 +101,9 @@ void live_status_of(live *self, live_status *out);
 CHECKED mrt_result live_add_input(live *self, input *made, const char *text, error *err);
 CHECKED mrt_result live_remove_input(live *self, uint32_t index, error *err);
 uint32_t live_input_count(const live *self);
+/* Whether an input is of the stage itself: the palette or life. The others were opened by a person.
+ */
+bool live_input_is_own(const live *self, uint32_t index);
 input *live_input(live *self, uint32_t index); /* for its name, health, channels and input_set */
 const char *live_input_text(const live *self, uint32_t index);
 /* Copies the newest sample of an input, for live bars. False: none yet. */

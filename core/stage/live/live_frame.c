@@ -354,8 +354,10 @@ static void note_step(void *data, const stage_frame *f)
     live_pulse *now = &stage->now;
     if (stage->recorder)
         recorder_performed(stage->recorder, s);
-    double lag_ms = (double)(clock_now_ns() - s->time_ns) / (double)NS_PER_MS;
-    now->lag_ms[now->lag_count++ % LIVE_LAGS] = (float)lag_ms;
+    const double lag_ms = (double)(clock_now_ns() - s->time_ns) / (double)NS_PER_MS;
+    const bool is_life = s->count == 1 && life_is_route(s->of[0].route);
+    if (!is_life) /* nobody waits for a tick of life */
+        now->lag_ms[now->lag_count++ % LIVE_LAGS] = (float)lag_ms;
     now->sample_count += s->count;
     now->last_ns = stage->sample_ns = s->time_ns;
 }
