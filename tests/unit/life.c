@@ -8,7 +8,10 @@
 #include <cmocka.h>
 
 #include "base/clock.h"
+#include "stage/mapping/null_mapping.h"
+#include "stage/perform/frame.h"
 #include "stage/perform/life.h"
+#include "unit/frame_run.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -446,6 +449,46 @@ static void a_tick_costs_almost_nothing(void **state)
     assert_true(each_ms < 0.05);
 }
 
+/* The whole step, solve included, on the puppet. */
+static void a_step_of_life_alone_is_cheap(void **state)
+{
+    (void)state;
+    fixture f;
+    error err = {""};
+    face_file file;
+    instance mapping;
+    performer *p;
+    log_queue *log = log_queue_create();
+    const performer_settings as = {.rezero_pedal = 0};
+    assert_non_null(log);
+    const char *path = SOURCE_DIR "/rigs/puppet/puppet.rig.json";
+    assert_true(face_file_read(&file, path, NULL, FACE_FILE_USABLE, &err) >= 0);
+    assert_true(instance_create(&mapping, &null_mapping_type, CLOCK_VIRTUAL, log, &err) >= 0);
+    assert_true(performer_create(&p, &file, &mapping, &as, &err) >= 0);
+    begin(&f, 37.0f, 1.0f);
+    const int count = 60 * 60;
+    int64_t took_ns = 0;
+    for (int i = 0; i < count; ++i) {
+        f.time_ns += tick_ns;
+        sample_step s = {.time_ns = f.time_ns, .due_ns = f.time_ns, .count = 1};
+        s.of[0] = (step_sample){.route = &f.route,
+                                .sample = {.time_ns = f.time_ns, .count = LIFE_CHANNELS}};
+        memcpy(s.of[0].sample.value, f.strength, sizeof f.strength);
+        const int64_t from_ns = clock_now_ns();
+        frame_run(p, &s);
+        took_ns += clock_now_ns() - from_ns;
+    }
+    const double each_ms = (double)took_ns / 1e6 / count;
+    printf("a step of life alone, solve included: %.4f ms\n", each_ms);
+    assert_true(p->counts->solves > (uint64_t)count / 2);
+    assert_int_equal(p->counts->bad_pulls, 0);
+    assert_true(each_ms < 0.5); /* 0.05 on a free machine */
+    performer_destroy(p);
+    instance_destroy(&mapping);
+    face_file_destroy(&file);
+    log_queue_destroy(log);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -464,6 +507,7 @@ int main(void)
         cmocka_unit_test(lids_without_bones_blink_by_their_pose),
         cmocka_unit_test(nonsense_stays_in_range),
         cmocka_unit_test(a_tick_costs_almost_nothing),
+        cmocka_unit_test(a_step_of_life_alone_is_cheap),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
