@@ -162,11 +162,10 @@ mrt_result frame_step(stage_frame *f, error *err)
     mrt_frame *in = &of->frame;
     p->counts->samples += s->count;
     p->counts->steps += 1;
-    bool is_moved = palette_read(&of->palette, &of->guard, s);
-    is_moved |= life_read(&of->life, &of->guard, s);
+    (void)palette_read(&of->palette, &of->guard, s);
+    (void)life_read(&of->life, &of->guard, s);
     if (is_without_hands(s)) {
-        if (is_moved)
-            move_face(f, PERFORMER_NO_VOICE, 0.0, &at_ns);
+        move_face(f, PERFORMER_NO_VOICE, 0.0, &at_ns);
         return MRT_OK;
     }
 

@@ -509,12 +509,11 @@ bool life_read(life *self, const guard *reach, const sample_step *s)
     const int64_t passed_ns = s->time_ns - self->time_ns;
     const double dt_s =
         self->is_known && passed_ns > 0 ? (double)passed_ns / (double)NS_PER_S : 0.0;
-    const mrt_pull before = self->pull;
     read_tick(self, tick, fmin(dt_s, dt_most_s));
     self->is_known = true;
     self->time_ns = s->time_ns;
     pull(self, reach);
-    return memcmp(&before, &self->pull, sizeof before) != 0;
+    return true;
 }
 
 /* ---- what the rest of the performance does ---- */

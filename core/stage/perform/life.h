@@ -100,7 +100,8 @@ typedef struct life {
 /* The face must outlive it. */
 void life_init(life *out, const mapped_face *mapped);
 void life_reset(life *self);
-/* Call for every step, in time order. Reads its tick. Returns true if the pull has changed. */
+/* Call for every step, in time order. Returns true if the step has a tick. reach: a pull that leads
+ * out of it is dropped. */
 bool life_read(life *self, const guard *reach, const sample_step *s);
 /* Writes into a tick that is performed for the first time what the rest of the performance does.
  * dof: its degrees of freedom (composer_watched). */
