@@ -6,6 +6,7 @@
 #include <string.h>
 
 enum { STORE_VERSION = 1 };
+static const double dt_most_s = 0.1; /* as of a frame */
 
 void palette_init(palette *out, const mapped_face *mapped)
 {
@@ -19,6 +20,7 @@ void palette_reset(palette *self)
 {
     self->is_known = false;
     self->time_ns = 0;
+    self->dt_s = 0.0;
     self->pull = guard_idle();
     memset(self->pose, 0, sizeof self->pose);
 }
@@ -156,6 +158,7 @@ bool palette_read(palette *self, const guard *reach, const sample_step *s)
         self->is_known && passed_ns > 0 ? (double)passed_ns / (double)NS_PER_S : 0.0;
     self->is_known = true;
     self->time_ns = s->time_ns;
+    self->dt_s = fmin(passed_s, dt_most_s);
     for (uint32_t i = 0; i < self->count; ++i)
         ease(&self->pose[i], passed_s);
     for (uint32_t i = 0; i < s->count; ++i)
@@ -216,7 +219,7 @@ size_t palette_save(const palette *self, void *bytes, size_t capacity)
     bytes_write_u32(&out, sum_of_names(self));
     bytes_write_u32(&out, self->is_known);
     bytes_write(&out, &self->time_ns, sizeof self->time_ns);
-    bytes_write_f64(&out, 0.0); /* a duration that older versions read */
+    bytes_write_f64(&out, self->dt_s);
     bytes_write_u32(&out, count);
     for (uint32_t i = 0; i < self->count; ++i) {
         const palette_pose *pose = &self->pose[i];
@@ -261,9 +264,9 @@ bool palette_load(palette *self, const guard *reach, const void *bytes, size_t s
     in.failed |= bytes_read_u32(&in) != sum_of_names(self);
     self->is_known = bytes_read_u32(&in) != 0;
     bytes_read(&in, &self->time_ns, sizeof self->time_ns);
-    (void)bytes_read_f64(&in);
+    self->dt_s = bytes_read_f64(&in);
     const uint32_t count = bytes_read_u32(&in);
-    in.failed |= count > self->count;
+    in.failed |= count > self->count || !(self->dt_s >= 0.0 && self->dt_s <= dt_most_s);
     for (uint32_t i = 0; i < count && !in.failed; ++i)
         read_pose(&in, self);
     if (!in.failed && in.at == in.end) {

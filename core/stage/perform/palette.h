@@ -35,6 +35,7 @@ typedef struct palette {
     uint32_t count;
     bool is_known; /* has had a sample */
     int64_t time_ns;
+    double dt_s;   /* from the sample before to the last one, at most 0.1 */
     mrt_pull pull; /* anchored, or idle: no pose has any strength. The contacts that poses move come
                       first */
     uint32_t moved_count, contact_count; /* of these, and of all in `pull` */
