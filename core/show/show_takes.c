@@ -217,10 +217,10 @@ mrt_result show_take_spans(show *self, int64_t id, show_span **out, size_t *out_
 
 /* ---- the take before its edits ---- */
 
-/* Whether a palette was played in the span, or before it in data that the span needs. Such data is
- * never removed, so the answer stays. A palette at rest has one sample, when it is opened. */
-static mrt_result has_palette(show *self, int64_t take_id, const show_span *span, bool *out,
-                              error *err)
+/* Whether the span has samples of a part, or data before it that the span needs. Such data is never
+ * removed, so the answer stays. A palette or life at rest has one sample, when it is opened. */
+static mrt_result has_part(show *self, int64_t take_id, const show_span *span,
+                           const take_own_part *part, bool *out, error *err)
 {
     sqlite_statement *row = sqlite_query(
         self->db,
@@ -228,9 +228,9 @@ static mrt_result has_palette(show *self, int64_t take_id, const show_span *span
         "  JOIN track t ON t.id = p.track JOIN plugin ON plugin.id = t.plugin"
         "  JOIN chunk c ON c.track = t.id"
         " WHERE span.take = ?1 AND span.performance = ?2 AND span.is_shown"
-        "  AND plugin.identity LIKE '" TAKE_PALETTE_ID " %'"
+        "  AND plugin.identity LIKE ?4 || ' %'"
         "  AND c.from_ns <= ?3 AND c.to_ns >= span.need_ns AND c.to_ns > c.from_ns LIMIT 1",
-        "i", "iii", take_id, span->performance, span->to_ns);
+        "i", "iiit", take_id, span->performance, span->to_ns, part->plugin);
     const mrt_result result = sqlite_step(row, err);
     *out = result == MRT_OK;
     return sqlite_finish_rows(row, result);
@@ -267,34 +267,51 @@ static bool is_clip(const show_span *span)
     return span->is_shown && span->performance && span->to_ns > span->from_ns;
 }
 
-/* Adds the poses of the palette as a layer above the others, as they were played. */
-static mrt_result add_palette(take *out, const show_span *spans, size_t count, const bool *plays,
-                              error *err)
+/* Which parts of a span have layers of their own. */
+typedef struct own_parts {
+    bool has[TAKE_OWN_PARTS];
+} own_parts;
+
+static bool has_any(const own_parts *of)
 {
-    take_layer *layer = &out->layer[out->layer_count++];
+    bool any = false;
+    for (int i = 0; i < TAKE_OWN_PARTS; ++i)
+        any |= of->has[i];
+    return any;
+}
+
+/* Adds a part, such as the poses of the palette, as a layer above the others, as it was performed.
+ * Nothing if no span has it. */
+static mrt_result add_part(take *out, const show_span *spans, size_t count, const own_parts *parts,
+                           int which, error *err)
+{
+    take_layer *layer = &out->layer[out->layer_count];
     mrt_result result = MRT_OK;
-    *layer = (take_layer){.id = ++out->id_count, .is_additive = true, .gain = 1};
-    snprintf(layer->name, sizeof layer->name, TAKE_PALETTE_LAYER);
-    for (size_t i = 0; i < count && result >= 0; ++i)
-        if (plays[i])
-            result = add_clip(out, layer, &spans[i], TAKE_PALETTE, err);
+    for (size_t i = 0; i < count && result >= 0; ++i) {
+        if (!parts[i].has[which])
+            continue;
+        if (layer->id == 0) {
+            *layer = (take_layer){.id = ++out->id_count, .is_additive = true, .gain = 1};
+            snprintf(layer->name, sizeof layer->name, "%s", take_own_part_of[which].layer);
+            out->layer_count += 1;
+        }
+        result = add_clip(out, layer, &spans[i], take_own_part_of[which].part, err);
+    }
     return result;
 }
 
 static mrt_result fill_layers(show *self, take *out, const show_span *spans, size_t count,
                               error *err)
 {
-    enum { LAYERS = 2 };
-    bool *plays = calloc(count, sizeof *plays), any = false;
-    out->layer = calloc(LAYERS, sizeof *out->layer);
+    own_parts *parts = calloc(count, sizeof *parts);
+    out->layer = calloc(1 + TAKE_OWN_PARTS, sizeof *out->layer);
     mrt_result result = MRT_OK;
-    if (!out->layer || !plays)
+    if (!out->layer || !parts)
         result = error_set(err, MRT_ERR_MEMORY, "no memory for a layer");
-    for (size_t i = 0; i < count && result >= 0; ++i) {
-        if (is_clip(&spans[i]))
-            result = has_palette(self, out->id, &spans[i], &plays[i], err);
-        any |= plays[i];
-    }
+    for (size_t i = 0; i < count && result >= 0; ++i)
+        for (int k = 0; k < TAKE_OWN_PARTS && is_clip(&spans[i]) && result >= 0; ++k)
+            result =
+                has_part(self, out->id, &spans[i], &take_own_part_of[k], &parts[i].has[k], err);
     if (result < 0)
         goto done;
     take_layer *layer = &out->layer[out->layer_count++];
@@ -303,11 +320,11 @@ static mrt_result fill_layers(show *self, take *out, const show_span *spans, siz
     for (size_t i = 0; i < count && result >= 0; ++i)
         if (is_clip(&spans[i]))
             result =
-                add_clip(out, layer, &spans[i], plays[i] ? TAKE_WITHOUT_PALETTE : TAKE_WHOLE, err);
-    if (any && result >= 0)
-        result = add_palette(out, spans, count, plays, err);
+                add_clip(out, layer, &spans[i], has_any(&parts[i]) ? TAKE_HANDS : TAKE_WHOLE, err);
+    for (int k = 0; k < TAKE_OWN_PARTS && result >= 0; ++k)
+        result = add_part(out, spans, count, parts, k, err);
 done:
-    free(plays);
+    free(parts);
     return result;
 }
 

@@ -4,6 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+const take_own_part take_own_part_of[TAKE_OWN_PARTS] = {
+    {TAKE_PALETTE, TAKE_PALETTE_ID, TAKE_PALETTE_LAYER},
+    {TAKE_LIFE, TAKE_LIFE_ID, TAKE_LIFE_LAYER}};
+
 /* ---- lifetime ---- */
 
 static void layer_finish(take_layer *layer)

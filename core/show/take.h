@@ -107,15 +107,28 @@ typedef struct take_warp_point {
 } take_warp_point;
 
 /* What a clip shows of its performance. The poses that were played on the palette
- * (stage/perform/palette.h) have samples of their own, so they can be a layer of their own. */
-#define TAKE_PALETTE_ID    "org.marotte.palette" /* type id of the input that plays poses */
-#define TAKE_PALETTE_LAYER "palette"             /* name of their layer */
+ * (stage/perform/palette.h) and the life of the face (stage/perform/life.h) have samples of their
+ * own, so each can be a layer of its own. Takes store these numbers. */
+#define TAKE_PALETTE_ID    "org.marotte.palette" /* type ids of their inputs */
+#define TAKE_LIFE_ID       "org.marotte.life"
+#define TAKE_PALETTE_LAYER "palette" /* names of their layers */
+#define TAKE_LIFE_LAYER    "life"
 typedef enum take_part {
     TAKE_WHOLE = 0,
-    TAKE_WITHOUT_PALETTE, /* hands, patch and mapping */
-    TAKE_PALETTE,         /* the palette alone */
+    TAKE_HANDS,   /* hands, patch and mapping: all that has no part of its own below */
+    TAKE_PALETTE, /* the palette alone */
+    TAKE_LIFE,    /* life alone */
     TAKE_PARTS
 } take_part;
+
+/* The parts that have an input and an additive layer of their own, bottom layer first. */
+typedef struct take_own_part {
+    take_part part;
+    const char *plugin; /* type id of the input */
+    const char *layer;
+} take_own_part;
+enum { TAKE_OWN_PARTS = TAKE_PARTS - TAKE_PALETTE };
+extern const take_own_part take_own_part_of[TAKE_OWN_PARTS];
 
 typedef struct take_clip { /* a span of the timeline that shows a span of a performance */
     uint32_t id;           /* unique in the take, stable through edits */

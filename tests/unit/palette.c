@@ -54,7 +54,6 @@ static void step(fixture *f, double after_s, float fade_s, float open, float smi
     s.of[0] = (step_sample){
         .route = &f->route,
         .sample = {.time_ns = f->time_ns, .count = 5, .value = {fade_s, open, smile, 1.0f, far}}};
-    assert_true(palette_is_alone(&s));
     assert_true(palette_read(&f->palette, &reach, &s));
 }
 

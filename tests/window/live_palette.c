@@ -138,7 +138,7 @@ static void play_a_take(double before_s)
     fixture_take(&d, id, &t);
     assert_int_equal(t.layer_count, 2);
     assert_string_equal(t.layer[1].name, "palette");
-    assert_int_equal(t.layer[0].clip[0].part, TAKE_WITHOUT_PALETTE);
+    assert_int_equal(t.layer[0].clip[0].part, TAKE_HANDS);
     assert_int_equal(t.layer[1].clip[0].part, TAKE_PALETTE);
     assert_true(t.layer[1].is_additive);
     take_finish(&t);

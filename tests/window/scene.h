@@ -57,6 +57,7 @@ typedef struct scene_options {
     uint32_t input_count;
     const char *settings_path; /* NULL: none */
     const char *show_path;     /* NULL: a new one in the folder */
+    bool lives;                /* the face lives in a new show; false: it keeps still */
     bool is_drawn;             /* each frame, not only those of pictures */
     bool has_bus;              /* the session bus that the test says is used */
     bool waits;                /* frames come when they are due, as in a real window */
@@ -169,6 +170,7 @@ static inline void scene_open_again(scene *s, const scene_options *options)
         .inputs = options->inputs ? options->inputs : none,
         .input_count = options->input_count,
         .settings_path = options->settings_path ? options->settings_path : "",
+        .lives = options->lives,
         .changed = window_signal(s->window),
     };
     if (app_create(&s->app, &with, &err) < 0)

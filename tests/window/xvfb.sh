@@ -53,9 +53,9 @@ has_ended_or_window() {
     is_gone || has_windows 1
 }
 
-# open_window ARGUMENTS...: the program in its window, with the keyboard.
+# open_window ARGUMENTS...: the program in its window, with the keyboard. The face keeps still.
 open_window() {
-    "$MAROTTE" stage --size "${window_size:-1280x720}" --json "$@" >facts.json 2>stderr.txt &
+    "$MAROTTE" stage --size "${window_size:-1280x720}" --life off --json "$@" >facts.json 2>stderr.txt &
     program_pid=$!
     until_true has_ended_or_window # one that says why is not waited for
     if ! has_windows 1; then

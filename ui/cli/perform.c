@@ -45,6 +45,7 @@ typedef struct perform_options {
     bool is_by_part; /* exports_settings */
     double export_mm_per_unit;
     const char *patch;        /* path; NULL: none */
+    const char *life;         /* parameters of life_input.h; NULL: off */
     const char *record;       /* path of the show; NULL: not recorded */
     const char *scene, *shot; /* slate of the take; "" if not given */
     bool has_sound;           /* record the microphone */
@@ -133,6 +134,14 @@ static int read_isolation(void *to, const command *self, const char *name, const
     return command_usage(self, "--%s \"%s\" is not auto, on or off", name, text);
 }
 
+/* "on", "off", or parameters. */
+static int read_life(void *to, const command *self, const char *name, const char *text)
+{
+    (void)self, (void)name;
+    *(const char **)to = strcmp(text, "off") == 0 ? NULL : strcmp(text, "on") == 0 ? "" : text;
+    return COMMAND_DONE;
+}
+
 #define AT(member) .offset = offsetof(perform_options, member)
 static const command_option option_table[] = {
     {"face", COMMAND_READ, AT(face), .read = command_read_face},
@@ -160,6 +169,7 @@ static const command_option option_table[] = {
     {"calibration", COMMAND_READ, .read = add_calibration},
     {"rezero-pedal", COMMAND_WHOLE, AT(rezero_pedal), .least = 1, .most = MRT_MAX_PEDALS},
     {"patch", COMMAND_TEXT, AT(patch)},
+    {"life", COMMAND_READ, AT(life), .read = read_life},
     {"record", COMMAND_TEXT, AT(record)},
     {"scene", COMMAND_READ, AT(scene), .read = read_name},
     {"shot", COMMAND_READ, AT(shot), .read = read_name},
@@ -193,14 +203,16 @@ static int read_options(perform_options *out, int argc, char **argv)
         code = command_usage(self, "--face is missing");
     if (code == COMMAND_DONE && out->curves &&
         (out->input_count > 0 || out->map.plugin || out->record || out->is_realtime ||
-         out->output_count > 0))
-        code = command_usage(
-            self,
-            "--curves cannot be combined with --input, --map, --record, --realtime or --output");
-    if (code == COMMAND_DONE && out->input_count == 0 && !out->curves)
+         out->output_count > 0 || out->life))
+        code = command_usage(self, "--curves cannot be combined with --input, --map, --record, "
+                                   "--realtime, --output or --life");
+    const bool is_life_alone = out->life && out->input_count == 0;
+    if (code == COMMAND_DONE && out->input_count == 0 && !out->curves && !out->life)
         code = command_usage(self, "--input is missing");
-    if (code == COMMAND_DONE && !out->map.plugin && !out->curves)
+    if (code == COMMAND_DONE && !out->map.plugin && !out->curves && !is_life_alone)
         code = command_usage(self, "--map is missing");
+    if (code == COMMAND_DONE && is_life_alone && !(out->seconds > 0.0))
+        code = command_usage(self, "--life without --input has no end: add --seconds N");
     if (code == COMMAND_DONE && !out->curves && !(out->fps > 0.0))
         out->fps = 30.0;
     if (code == COMMAND_DONE && out->record && (out->frame.up || out->frame.forward))
@@ -235,6 +247,7 @@ typedef struct performance {
     plugin_list plugins;
     face_file face;
     perform_inputs inputs;
+    const char *input_text[PERFORM_INPUTS_MAX];
     double duration_s; /* of the whole performance; 0: unknown */
     perform_hands hands;
     perform_mapping mapping;
@@ -381,7 +394,7 @@ static mrt_result start_recording(performance *self, error *err)
         .log = self->log,
         .clock = self->inputs.clock,
         .inputs = self->inputs.input,
-        .input_text = options->input_text,
+        .input_text = self->input_text,
         .input_count = self->inputs.count,
         .calibration = {out->calibration[MRT_LEFT], out->calibration[MRT_RIGHT]},
         .layer = self->performer->voice[0].layer,
@@ -487,6 +500,19 @@ static mrt_result open_videos(performance *self, error *err)
     return result < 0 ? result : exports_video_open(&self->videos, &settings, err);
 }
 
+/* Life ends with the hands. */
+static mrt_result open_life(performance *self, error *err)
+{
+    const perform_options *options = self->options;
+    memcpy(self->input_text, options->input_text, sizeof self->input_text);
+    if (!options->life)
+        return MRT_OK;
+    self->input_text[self->inputs.count % PERFORM_INPUTS_MAX] = "life";
+    return perform_inputs_add_life(&self->inputs, options->life,
+                                   perform_inputs_duration_s(&self->inputs),
+                                   composer_mapped(self->performer->composer), self->log, err);
+}
+
 static mrt_result prepare(performance *self, error *err)
 {
     const perform_options *options = self->options;
@@ -529,6 +555,8 @@ static mrt_result prepare(performance *self, error *err)
                                   err);
     if (result >= 0)
         perform_patch_report(self->performer->voice[0].layer);
+    if (result >= 0)
+        result = open_life(self, err);
     if (result >= 0 && options->watches_plugins)
         result = perform_mapping_watch(&self->mapping, self->performer, self->log, err);
     if (result >= 0)
@@ -611,6 +639,8 @@ static mrt_result record_step(void *data, stage_frame *f, error *err)
 {
     (void)err;
     performance *self = data;
+    life_watch(&f->step, &self->performer->voice[0].layer->life.body,
+               composer_watched(self->performer->composer));
     perform_mapping_step(&self->mapping, self->performer, self->record.recorder);
     if (self->record.recorder)
         recorder_step(self->record.recorder, &f->step);
@@ -1324,7 +1354,7 @@ const command command_perform = {
         "                [--verbose] [--json]\n"
         "\n"
         "Hands move a face. Recordings are performed as fast as possible, devices in real time.\n"
-        "Prints four lines: the performance, how far the face moved, the files, warnings.\n"
+        "Prints four lines: the performance, the face's motion, the files, warnings.\n"
         "\n"
         "The face:\n"
         "  --face FACE        NAME.rig.json, a head (.glb .gltf .vrm .obj .ply .off ...), or the\n"
@@ -1341,6 +1371,8 @@ const command command_perform = {
         "                     a row for each frame, columns by name (jaw.open)\n"
         "  --patch FILE       let channels move the face too (ui/patches/README.md): a file, or\n"
         "                     faders, gamepad, phone, phone_face, voice\n"
+        "  --life on|SPEC     blink, look around, breathe and lean: blink=0.5,gaze=0.5,seed=7\n"
+        "                     (ui/life.md). Alone, it needs --seconds, but no --input\n"
         "  --calibration FILE the calibration of a hand, once per hand (marotte calibrate), or\n"
         "                     none for the shipped defaults (the newest in the user's folder)\n"
         "  --hand-length MM   wrist to middle fingertip (calibrated, else 190)\n"
@@ -1388,6 +1420,7 @@ const command command_perform = {
         "perform --face puppet --input log:demo --map one_hand --export out/puppet.glb\n"
         "perform --face moai --input log:demo_hand.csv,end=8 --map anchored --export out/moai.png\n"
         "perform --face puppet --input log:demo --map one_hand --record show.marotte\n"
+        "perform --face puppet --life on --seconds 5 --export out/alive.glb\n"
         "perform --face puppet --curves curves.csv --export out/again.glb\n",
     .run = run,
 };

@@ -4,6 +4,8 @@
 #include "base/clock.h"
 #include "hand/calibration_folder.h"
 #include "stage/input/glove_channels.h"
+#include "stage/mapping/null_mapping.h"
+#include "stage/perform/life_input.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -33,6 +35,26 @@ mrt_result perform_inputs_open(perform_inputs *out, const plugin_spec *spec, uin
             return result;
     }
     return MRT_OK;
+}
+
+mrt_result perform_inputs_add_life(perform_inputs *self, const char *params, double seconds,
+                                   const mapped_face *mapped, log_queue *log, error *err)
+{
+    input *made;
+    char length[32];
+    const life_body body = life_body_of(mapped);
+    if (self->count == PERFORM_INPUTS_MAX)
+        return error_set(err, MRT_ERR_ARGUMENT, "--life: %d inputs are open already. Remove one",
+                         PERFORM_INPUTS_MAX);
+    mrt_result result = input_create(&made, &life_input_type, "", params, self->clock, log, err);
+    if (result < 0)
+        return result;
+    self->input[self->count++] = made;
+    for (int kind = 0; kind < LIFE_KINDS; ++kind)
+        if (input_value(made, (uint32_t)kind) > 0.0 && life_missing(&body, (life_kind)kind))
+            fprintf(stderr, "note: %s\n", life_missing(&body, (life_kind)kind));
+    (void)snprintf(length, sizeof length, "%.9g", seconds);
+    return input_set(made, "seconds", length, err);
 }
 
 double perform_inputs_duration_s(const perform_inputs *self)
@@ -296,15 +318,19 @@ mrt_result perform_mapping_open(perform_mapping *out, const plugin_spec *spec,
 {
     const mrt_plugin_type *type;
     *out = (perform_mapping){.settings = {.clock = with->clock, .writes_reports = true}};
-    mrt_result result = plugin_list_choose(with->plugins, spec->plugin, MRT_MAPPING, &type, err);
+    mrt_result result = MRT_OK;
+    if (spec->plugin)
+        result = plugin_list_choose(with->plugins, spec->plugin, MRT_MAPPING, &type, err);
+    else
+        type = &null_mapping_type;
     if (result < 0)
         return result;
     out->library = plugin_list_path_of(with->plugins, type);
-    if (isolate_is_wanted(with->isolation, out->library))
+    if (spec->plugin && isolate_is_wanted(with->isolation, out->library))
         result = isolate_mapping(out, &type, err);
     if (result >= 0)
         result = instance_create(&out->instance, type, with->clock, with->log, err);
-    if (result >= 0)
+    if (result >= 0 && spec->plugin)
         result = instance_set_list(&out->instance, spec->params, err);
     return result;
 }

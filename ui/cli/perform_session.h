@@ -28,6 +28,10 @@ typedef struct perform_inputs {
 CHECKED mrt_result perform_inputs_open(perform_inputs *out, const plugin_spec *spec, uint32_t count,
                                        plugin_list *plugins, log_queue *log, instance_clock clock,
                                        error *err);
+/* Adds life (life_input.h) with the parameters "key=value,...", for `seconds`; 0: endless. It lives
+ * on the clock of the other inputs. Reports on stderr what the face lacks for it. */
+CHECKED mrt_result perform_inputs_add_life(perform_inputs *self, const char *params, double seconds,
+                                           const mapped_face *mapped, log_queue *log, error *err);
 /* Time until the last input ends; 0: unknown, because one is a device or repeats. */
 double perform_inputs_duration_s(const perform_inputs *self);
 void perform_inputs_close(perform_inputs *self); /* accepts a zeroed struct */
@@ -88,7 +92,8 @@ typedef struct perform_mapping_settings {
     isolate_which isolation;
 } perform_mapping_settings;
 
-/* Must not move; the spec must outlive it. Close it, whatever the result. */
+/* spec.plugin NULL: no mapping. Must not move; the spec must outlive it. Close it, whatever the
+ * result. */
 CHECKED mrt_result perform_mapping_open(perform_mapping *out, const plugin_spec *spec,
                                         const perform_mapping_settings *with, error *err);
 /* Starts to reload rebuilt libraries. */

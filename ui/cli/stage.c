@@ -32,6 +32,7 @@ typedef struct stage_options {
     bool has_picture;
     const char *script, *picture;
     const char *file; /* file that is neither show nor face; NULL: none */
+    bool has_life;    /* --life was given */
     bool is_hidden, is_json;
 } stage_options;
 
@@ -123,6 +124,16 @@ static int read_stream_look(void *to, const command *self, const char *name, con
 }
 
 /* Reads a show, a face, or another file that is opened after the stage. */
+static int read_life(void *to, const command *self, const char *name, const char *text)
+{
+    stage_options *out = to;
+    out->has_life = true;
+    out->app.lives = strcmp(text, "on") == 0;
+    if (out->app.lives || strcmp(text, "off") == 0)
+        return COMMAND_DONE;
+    return command_usage(self, "--%s \"%s\" is not on or off", name, text);
+}
+
 static int read_file(void *to, const command *self, const char *name, const char *text)
 {
     stage_options *out = to;
@@ -162,6 +173,7 @@ static const command_option option_table[] = {
     {"script", COMMAND_TEXT, AT(script)},
     {"picture", COMMAND_TEXT, AT(picture)},
     {"seconds", COMMAND_NUMBER, AT(seconds), .least = 0.0, .most = 1e6},
+    {"life", COMMAND_READ, .read = read_life},
     {"settings", COMMAND_TEXT, AT(app.settings_path)},
     {"json", COMMAND_FLAG, AT(is_json)},
     {"FILE", COMMAND_WORD, .read = read_file},
@@ -176,6 +188,8 @@ static int read_options(stage_options *out, int argc, char **argv)
         return code;
     if (out->has_picture)
         out->app.picture = &out->streamed;
+    if (!out->has_life)
+        out->app.lives = !out->is_hidden;
     if (out->is_hidden && !out->app.settings_path)
         out->app.settings_path = "";
     if (out->is_hidden && !out->script && out->seconds <= 0.0)
@@ -419,6 +433,9 @@ static int print_help(int argc, char **argv)
         "  --background C   background of that picture and of the output window: transparent\n"
         "                   or #00b140\n"
         "  --size WxH       the size of the window, in points (the last size)\n"
+        "  --life on|off    whether the face of a new show lives by itself: it blinks, looks "
+        "around\n"
+        "                   and breathes (on; with --hidden: off)\n"
         "  --settings FILE  the settings ($XDG_CONFIG_HOME/marotte/window.json; with --hidden:\n"
         "                   none); \"\": none\n"
         "\n"

@@ -32,8 +32,9 @@ static void join_own(char *out, size_t capacity, const take_layer *l)
 static void report_clip(take_call *call, const take_layer *l, const take_clip *c)
 {
     static const char *const parts[TAKE_PARTS] = {[TAKE_WHOLE] = "",
-                                                  [TAKE_WITHOUT_PALETTE] = " without its poses",
-                                                  [TAKE_PALETTE] = ", the poses that were played"};
+                                                  [TAKE_HANDS] = ", its hands alone",
+                                                  [TAKE_PALETTE] = ", the poses that were played",
+                                                  [TAKE_LIFE] = ", the life of the face"};
     char label[24], line[256];
     (void)snprintf(label, sizeof label, "  clip %u", c->id);
     (void)snprintf(line, sizeof line, "%.3f .. %.3f s, performance %lld%s%s%s%s%s",

@@ -55,8 +55,12 @@ static bool can_be_asked(app *of)
 static bool is_empty(app *of)
 {
     input_opening opening[INPUT_OPENINGS_MAX];
-    return live_input_count(app_live(of)) == 0 && app_openings(of, opening) == 0 &&
-           !app_has_hand_keys(of) && !app_has_pulled(of) && !app_take_id(of);
+    const live *stage = app_live(of);
+    uint32_t opened = 0;
+    for (uint32_t i = 0; i < live_input_count(stage); ++i)
+        opened += !live_input_is_own(stage, i);
+    return opened == 0 && app_openings(of, opening) == 0 && !app_has_hand_keys(of) &&
+           !app_has_pulled(of) && !app_take_id(of);
 }
 
 static bool is_there(app *of, offer which)

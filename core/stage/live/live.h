@@ -101,6 +101,9 @@ void live_status_of(live *self, live_status *out);
 CHECKED mrt_result live_add_input(live *self, input *made, const char *text, error *err);
 CHECKED mrt_result live_remove_input(live *self, uint32_t index, error *err);
 uint32_t live_input_count(const live *self);
+/* Whether an input is of the stage itself: the palette or life. The others were opened by a person.
+ */
+bool live_input_is_own(const live *self, uint32_t index);
 input *live_input(live *self, uint32_t index); /* for its name, health, channels and input_set */
 const char *live_input_text(const live *self, uint32_t index);
 /* Copies the newest sample of an input, for live bars. False: none yet. */
@@ -153,6 +156,16 @@ uint32_t live_palette_count(const live *self);
  * since; these strengths fade there within fade_s. */
 void live_palette_set(live *self, uint32_t pose, double strength);
 void live_palette_send(live *self, double fade_s);
+
+/* ---- life: what the face does by itself, see life.h ---- */
+
+/* Follows soon, but a first input not before the end of a take that is recorded. The face lives
+ * while hands perform it; over a take it does where the take has no life of its own. */
+void live_set_life(live *self, const life_settings *to);
+/* Why the face does not live though it should; "": it does. */
+const char *live_life_trouble(const live *self);
+/* Why this face cannot; NULL: it can. Valid as long as the process. */
+const char *live_life_missing(const live *self, life_kind kind);
 
 /* ---- the mapping ---- */
 

@@ -308,6 +308,16 @@ static void follow_reload(live_stage *stage)
         recorder_change_mapping(stage->recorder, reload_identity(r));
 }
 
+/* Life reacts to what the face did in the step before, the take below an overdub included. */
+static void watch_face(live_stage *stage, sample_step *s)
+{
+    const performer *shown = stage->mode == LIVE_OVERDUBS
+                                 ? sequencer_performer(stage->timeline->sequencer)
+                                 : stage->scene->performer;
+    life_watch(s, &stage->scene->performer->voice[0].layer->life.body,
+               composer_watched(shown->composer));
+}
+
 /* stage_frame.record: runs before any phase reads the samples, and chooses the performer. */
 static mrt_result record_step(void *data, stage_frame *f, error *err)
 {
@@ -315,6 +325,7 @@ static mrt_result record_step(void *data, stage_frame *f, error *err)
     live_stage *stage = &self->stage;
     const sample_step *s = &f->step;
     follow_reload(stage);
+    watch_face(stage, &f->step);
     if (stage->recorder)
         recorder_step(stage->recorder, s);
     for (uint32_t i = 0; i < s->count; ++i) {
@@ -343,8 +354,10 @@ static void note_step(void *data, const stage_frame *f)
     live_pulse *now = &stage->now;
     if (stage->recorder)
         recorder_performed(stage->recorder, s);
-    double lag_ms = (double)(clock_now_ns() - s->time_ns) / (double)NS_PER_MS;
-    now->lag_ms[now->lag_count++ % LIVE_LAGS] = (float)lag_ms;
+    const double lag_ms = (double)(clock_now_ns() - s->time_ns) / (double)NS_PER_MS;
+    const bool is_life = s->count == 1 && life_is_route(s->of[0].route);
+    if (!is_life) /* nobody waits for a tick of life */
+        now->lag_ms[now->lag_count++ % LIVE_LAGS] = (float)lag_ms;
     now->sample_count += s->count;
     now->last_ns = stage->sample_ns = s->time_ns;
 }

@@ -275,6 +275,15 @@ uint32_t live_input_count(const live *self)
     return self->entry_count;
 }
 
+bool live_input_is_own(const live *self, uint32_t index)
+{
+    bool is_own = false;
+    for (int k = 0; index < self->entry_count && k < TAKE_OWN_PARTS; ++k)
+        is_own |=
+            strcmp(input_plugin(self->entry[index].input)->id, take_own_part_of[k].plugin) == 0;
+    return is_own;
+}
+
 input *live_input(live *self, uint32_t index)
 {
     return index < self->entry_count ? self->entry[index].input : NULL;

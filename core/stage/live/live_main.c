@@ -240,6 +240,7 @@ void live_update(live *self)
     live_cast_update(self);
     live_inputs_update(self);
     live_palette_update(self);
+    live_life_update(self);
     live_sound_update(self);
 }
 

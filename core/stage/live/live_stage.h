@@ -10,6 +10,7 @@
 #include "stage/live/live_board.h"
 #include "stage/mapping/taught.h"
 #include "stage/output/outputs.h"
+#include "stage/perform/life_input.h"
 #include "stage/perform/player.h"
 #include "stage/perform/reload.h"
 #include "stage/record/recorder.h"
@@ -215,6 +216,15 @@ typedef struct live_palette {
     int64_t rests_at_ns[PALETTE_INPUTS]; /* time after which the feed rests; 0: it does */
 } live_palette;
 
+/* [main] The input of life, see life.h. */
+typedef struct live_life {
+    life_settings wanted;
+    double sent[LIFE_KINDS]; /* to the input */
+    uint32_t sent_seed;
+    error trouble;       /* why there is no input; "": there is, or none was wanted */
+    uint32_t refused_at; /* number of inputs when it was refused */
+} live_life;
+
 typedef struct live_measured { /* a calibration that was loaded; zeroed: none */
     char *path, *text;
     hand_calibration *use;
@@ -247,6 +257,7 @@ struct live {
     const char *cast_text[PLAYER_INPUTS_MAX];
     uint32_t entry_count;
     live_palette palette;
+    live_life life;
     live_measured hand[2];
     uint32_t rezero_pedal, rezero_wanted;
     patch patch; /* count 0: no patch */
@@ -362,6 +373,10 @@ bool live_palette_is_moving(const live *self); /* its inputs do not rest yet */
 /* Sends the strengths of poses that are held again, to a layer that was reset. */
 void live_palette_repeat(live *self);
 void live_palette_finish(live *self); /* after the inputs */
+
+/* ---- live_life.c: the life of the face ---- */
+
+void live_life_update(live *self);
 
 /* ---- live_record.c: recording, sound ---- */
 

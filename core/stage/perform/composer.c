@@ -71,6 +71,7 @@ struct composer {
     float engaged_radius_mm;
     double aimed[MRT_MAX_VECTORS * 3]; /* mm: last targets of the controls */
     mrt_pull pulled;                   /* of the last step */
+    float watched[MRT_MAX_DOFS];       /* of the last step, without life */
     composer_counts counts;
 };
 
@@ -241,8 +242,14 @@ static void blend_ends(const composer *self, bool (*accepts)(const part_state *v
     }
 }
 
-/* Blends the degrees of freedom of all parts. NaN: no part drives it. */
-static void blend_dofs(const composer *self, float *out)
+static bool is_not_life(const part_state *v)
+{
+    return !v->part.is_life;
+}
+
+/* Blends the degrees of freedom of the parts that `accepts` accepts; NULL: all. NaN: no part drives
+ * it. */
+static void blend_dofs(const composer *self, bool (*accepts)(const part_state *v), float *out)
 {
     for (uint32_t d = 0; d < MRT_MAX_DOFS; ++d) {
         blended at = {.cover = 0};
@@ -253,6 +260,7 @@ static void blend_dofs(const composer *self, float *out)
                 v->part.pull->mode == MRT_UNANCHORED ? v->part.pull : &v->last_pull;
             bool has_value = v->has_pull || v->part.pull->mode == MRT_UNANCHORED;
             if (!has_value || isnan(pull->dof[d]) || d >= self->mapped.about.dof_count ||
+                (accepts && !accepts(v)) ||
                 (v->part.owns && !v->part.owns[self->mapped.about.contact_count + d]))
                 continue;
             const double added[3] = {share_of(v) * (double)pull->dof[d], 0, 0};
@@ -722,7 +730,7 @@ static void join_parts(composer *self)
     if (!self->engaged)
         return;
     float dof[MRT_MAX_DOFS];
-    blend_dofs(self, dof);
+    blend_dofs(self, NULL, dof);
     for (uint32_t d = 0; self->control_count == 0 && d < MRT_MAX_DOFS; ++d)
         dof[d] = isnan(dof[d]) ? 0.0f : dof[d]; /* no vector is left to derive the jaw from */
     request_shapes(self);
@@ -1042,7 +1050,7 @@ static void drag_along_way(composer *self, part_state *v, const csrbf_settings *
     shorten(v, from, to);
     memcpy(next, to, (size_t)pull->count * 3 * sizeof *next);
     limit_catch_up(v, from, next);
-    blend_dofs(self, dof);
+    blend_dofs(self, NULL, dof);
     self->counts.solves += 1;
     mrt_result result =
         face_drag(self->face, settings, from, next, pull->count, dof, v->tip, &step, &err);
@@ -1171,7 +1179,7 @@ static void note_pulled(composer *self)
     self->pulled.mode = self->engaged ? MRT_ANCHORED : MRT_UNANCHORED;
     for (uint32_t i = 0; i < self->order_count; ++i)
         add_pulled(&self->pulled, &self->state[self->order[i]]);
-    blend_dofs(self, self->pulled.dof);
+    blend_dofs(self, NULL, self->pulled.dof);
 }
 
 static void end_step(composer *self)
@@ -1221,6 +1229,7 @@ void composer_move(composer *self, const composer_part *part, uint32_t count, do
     if (is_held ? is_new || is_kneaded : is_new && !is_kneaded)
         join_parts(self);
     note_pulled(self);
+    blend_dofs(self, is_not_life, self->watched);
     end_step(self);
 }
 
@@ -1281,6 +1290,11 @@ face *composer_face(composer *self)
 const mrt_pull *composer_pull(const composer *self)
 {
     return &self->pulled;
+}
+
+const float *composer_watched(const composer *self)
+{
+    return self->watched;
 }
 
 uint32_t composer_targets(const composer *self, composer_target out[MRT_MAX_VECTORS])

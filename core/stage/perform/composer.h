@@ -20,7 +20,7 @@
 #include "stage/mapping/instance.h"
 #include "stage/perform/face_file.h"
 
-enum { COMPOSER_PARTS_MAX = 144 };
+enum { COMPOSER_PARTS_MAX = 160 };
 
 typedef struct composer composer;
 
@@ -42,6 +42,7 @@ typedef struct composer_part {
     uint32_t slot;  /* 0..COMPOSER_PARTS_MAX - 1, the same in every step */
     uint32_t layer; /* parts come ordered by layer, bottom first */
     bool is_additive;
+    bool is_life;    /* of life.h, which does not watch itself */
     bool is_pointer; /* vectors may be added and removed. The start of a free point is its position
                         on the rest face; end - start is its offset */
     double restore;  /* 0..1: share by which the base moves towards the rest shape */
@@ -77,6 +78,9 @@ face *composer_face(composer *self);
 const shading *composer_shading(const composer *self); /* normals, in the order of the engine */
 /* The pulls of all parts in the last step, weighted but not blended; for exports. */
 const mrt_pull *composer_pull(const composer *self);
+/* The degrees of freedom that the parts of the last step gave, blended, without those of life. NaN:
+ * not driven. Valid until the next step. */
+const float *composer_watched(const composer *self);
 /* Copies the targets of the last anchored step, one for each control, all layers blended. Returns
  * their number. 0: not anchored. */
 typedef struct composer_target {

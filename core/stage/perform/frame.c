@@ -108,17 +108,18 @@ static void accept_pull(performer *p, layer *of, mrt_result answer)
 
 /* ---- phases 7 and 8 ---- */
 
-/* dt_s: since the last step of the voice. */
-static void move_face(stage_frame *f, double dt_s, int64_t *at_ns)
+/* fresh: the voice whose mapping performed in this step; PERFORMER_NO_VOICE: none. dt_s: since its
+ * last step. */
+static void move_face(stage_frame *f, uint32_t fresh, double dt_s, int64_t *at_ns)
 {
     performer *p = f->performer;
     performer_parts parts;
     if (f->is_pull_only)
         return;
 
-    /* 7. Compose: collect the pulls of all voices, including patches, pointers, palettes and pulls
-     * that fade out. */
-    performer_compose(p, f->step.voice, f->step.due_ns, &parts);
+    /* 7. Compose: collect the pulls of all voices, including patches, pointers, palettes, life and
+     * pulls that fade out. */
+    performer_compose(p, fresh, f->step.due_ns, &parts);
     end_phase(f, FRAME_COMPOSE, at_ns);
 
     /* 8. Solve: all parts are joined in one engagement, or drag the shape one after the other. */
@@ -128,6 +129,15 @@ static void move_face(stage_frame *f, double dt_s, int64_t *at_ns)
 
     if (f->performed)
         f->performed(f->self, f);
+}
+
+/* Whether no sample of the step is for hands, patch or mapping. Then these do not notice it. */
+static bool is_without_hands(const sample_step *s)
+{
+    bool is_without = s->count > 0;
+    for (uint32_t i = 0; i < s->count; ++i)
+        is_without &= palette_is_route(s->of[i].route) || life_is_route(s->of[i].route);
+    return is_without;
 }
 
 /* ---- a step, from its samples to the fields of the face ---- */
@@ -154,8 +164,9 @@ mrt_result frame_step(stage_frame *f, error *err)
     p->counts->samples += s->count;
     p->counts->steps += 1;
     (void)palette_read(&of->palette, &of->guard, s);
-    if (palette_is_alone(s)) {
-        move_face(f, of->palette.dt_s, &at_ns);
+    (void)life_read(&of->life, &of->guard, s);
+    if (is_without_hands(s)) {
+        move_face(f, PERFORMER_NO_VOICE, 0.0, &at_ns);
         return MRT_OK;
     }
 
@@ -189,7 +200,7 @@ mrt_result frame_step(stage_frame *f, error *err)
     /* 6. Guard: an invalid pull is dropped, and the last valid one is kept. */
     accept_pull(p, of, answer);
     end_phase(f, FRAME_GUARD, &at_ns);
-    move_face(f, in->dt_s, &at_ns);
+    move_face(f, s->voice, in->dt_s, &at_ns);
     return MRT_OK;
 }
 

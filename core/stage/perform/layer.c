@@ -61,6 +61,7 @@ void layer_reset(layer *self)
     patch_bay_reset(&self->bay);
     pointer_reset(&self->pointer);
     palette_reset(&self->palette);
+    life_reset(&self->life);
     self->functions->reset(self->mapping->self);
 }
 
@@ -116,6 +117,7 @@ mrt_result layer_create(layer **out, instance *mapping, const mapped_face *mappe
                           .reach_mm = settings->reach_mm};
     patch_bay_init(&self->bay, &self->guard);
     palette_init(&self->palette, mapped);
+    life_init(&self->life, mapped);
     mrt_result result = MRT_OK;
     self->room = layer_room_create(mapping);
     if (!self->room)
@@ -435,6 +437,7 @@ void layer_shift_time(layer *self, int64_t by_ns)
     frame_inputs_shift_time(&self->inputs, by_ns);
     pointer_shift_time(&self->pointer, by_ns);
     palette_shift_time(&self->palette, by_ns);
+    life_shift_time(&self->life, by_ns);
     shift(&self->frame.time_ns, by_ns);
     for (int side = 0; side < 2; ++side)
         shift(&self->frame.hand[side].time_ns, by_ns);
@@ -445,7 +448,8 @@ enum {
     STORE_WITH_CUT = 2,
     STORE_WITH_POINTER = 3,
     STORE_WITH_INPUTS = 4,
-    STORE_WITH_PALETTE = 5 /* only where a palette was played */
+    STORE_WITH_PALETTE = 5, /* only where a palette was played */
+    STORE_WITH_LIFE = 6     /* only where the face lived */
 };
 enum { STORE_OTHER = 2, STORE_HOMING = 2 }; /* the stored words for waiting and fading, beyond 1 */
 
@@ -543,7 +547,10 @@ size_t layer_save(layer *self, void *bytes, size_t capacity)
     const mrt_plugin_type *type = self->mapping->type;
     if (!layer_is_answered(self) && (!self->resume || save_mapping(self, NULL, 0) == 0))
         return 0;
-    bytes_write_u32(&out, self->palette.is_known ? STORE_WITH_PALETTE : STORE_WITH_INPUTS);
+    const uint32_t version = self->life.is_known      ? STORE_WITH_LIFE
+                             : self->palette.is_known ? STORE_WITH_PALETTE
+                                                      : STORE_WITH_INPUTS;
+    bytes_write_u32(&out, version);
     bytes_write_u32(&out, type->param_count);
     for (uint32_t i = 0; i < type->param_count; ++i) {
         bytes_write_u32(&out, type->params[i].id);
@@ -567,8 +574,10 @@ size_t layer_save(layer *self, void *bytes, size_t capacity)
     WRITE_NESTED(&out, pointer_save, &self->pointer);
     WRITE_NESTED(&out, frame_inputs_save, &self->inputs);
     WRITE_NESTED(&out, patch_bay_save, &self->bay);
-    if (self->palette.is_known)
+    if (version >= STORE_WITH_PALETTE)
         WRITE_NESTED(&out, palette_save, &self->palette);
+    if (version >= STORE_WITH_LIFE)
+        WRITE_NESTED(&out, life_save, &self->life);
     WRITE_NESTED(&out, hands_save, self->hands);
     WRITE_NESTED(&out, save_mapping, self);
     return out.size;
@@ -657,7 +666,7 @@ static mrt_result load(layer *self, bytes_in *in, error *err)
         return error_set(err, MRT_ERR_UNSUPPORTED, "mapping %s cannot be resumed",
                          self->mapping->type->id);
     uint32_t version = bytes_read_u32(in);
-    in->failed |= version < STORE_VERSION || version > STORE_WITH_PALETTE;
+    in->failed |= version < STORE_VERSION || version > STORE_WITH_LIFE;
     read_params(in, self);
     self->has_time = bytes_read_u32(in) != 0;
     bytes_read(in, &self->frame.time_ns, sizeof self->frame.time_ns);
@@ -677,6 +686,10 @@ static mrt_result load(layer *self, bytes_in *in, error *err)
     if (version >= STORE_WITH_PALETTE && !in->failed) {
         bytes = read_sized(in, &size);
         in->failed |= !bytes || !palette_load(&self->palette, &self->guard, bytes, size);
+    }
+    if (version >= STORE_WITH_LIFE && !in->failed) {
+        bytes = read_sized(in, &size);
+        in->failed |= !bytes || !life_load(&self->life, &self->guard, bytes, size);
     }
     bytes = read_sized(in, &size);
     in->failed |= !bytes || !hands_load(self->hands, bytes, size);

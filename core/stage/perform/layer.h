@@ -10,6 +10,7 @@
 #include "stage/mapping/isolate.h"
 #include "stage/perform/frame_inputs.h"
 #include "stage/perform/hands.h"
+#include "stage/perform/life.h"
 #include "stage/perform/palette.h"
 #include "stage/perform/patch_bay.h"
 #include "stage/perform/pointer.h"
@@ -81,6 +82,7 @@ typedef struct layer {
     patch_bay bay;        /* pulls and parameters from the patch, on top of the mapping */
     pointer pointer;      /* pulls of the mouse on the face */
     palette palette;      /* poses that are played */
+    life life;            /* blinks, gaze, breath, lean */
     bool resets;          /* a reset of the mapping is pending until its state is known */
     uint32_t reset_waits; /* steps that the reset has waited for the taught values */
     bool has_time;

@@ -32,14 +32,6 @@ bool palette_is_route(const channel_route *route)
     return route->table.count > 0 && route->table.channel[0].semantic == PALETTE_SEMANTIC;
 }
 
-bool palette_is_alone(const sample_step *s)
-{
-    bool is_alone = s->count > 0;
-    for (uint32_t i = 0; i < s->count; ++i)
-        is_alone &= palette_is_route(s->of[i].route);
-    return is_alone;
-}
-
 /* Looks from `first` on, because the channels have the order of the poses. Returns `count` if there
  * is no such pose. */
 static uint32_t find_pose(const palette *self, const char *name, uint32_t first)

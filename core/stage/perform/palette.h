@@ -46,9 +46,6 @@ typedef struct palette {
 void palette_init(palette *out, const mapped_face *mapped);
 void palette_reset(palette *self);
 bool palette_is_route(const channel_route *route);
-/* Whether all samples of the step are of a palette. Such a step performs the palette alone: hands,
- * patch and mapping do not notice it. */
-bool palette_is_alone(const sample_step *s);
 /* Call for every step, in time order. Reads the samples of palettes. Returns true if the step has
  * one. reach: shortens the pull to it. */
 bool palette_read(palette *self, const guard *reach, const sample_step *s);

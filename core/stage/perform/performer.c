@@ -96,7 +96,15 @@ static const mrt_pull *smoothed(performer_voice *v, const mrt_pull *pull, int64_
 }
 
 /* The layers of a lane, bottom first. */
-enum { LANE_MAPPING = 0, LANE_INSTEAD, LANE_ADDED, LANE_POINTER, LANE_PALETTE, LANE_LAYERS };
+enum {
+    LANE_MAPPING = 0,
+    LANE_INSTEAD,
+    LANE_ADDED,
+    LANE_POINTER,
+    LANE_PALETTE,
+    LANE_LIFE,
+    LANE_LAYERS
+};
 
 /* Returns a part of the pointer. It is above the mapping and adds to it. */
 static composer_part pointer_part(const composer_part *as, uint32_t bank, const mrt_pull *pull)
@@ -163,9 +171,22 @@ static uint32_t palette_parts(const layer *of, const composer_part *as, composer
     return 1;
 }
 
+/* Life adds to everything, too. */
+static uint32_t life_parts(const layer *of, const composer_part *as, composer_part *out)
+{
+    if (of->life.pull.mode == MRT_IDLE)
+        return 0;
+    *out = *as;
+    out->slot += PERFORMER_VOICES_MAX * 9;
+    out->layer += LANE_LIFE;
+    out->is_additive = out->is_life = true;
+    out->pull = &of->life.pull;
+    return 1;
+}
+
 /* Lists the parts of a voice: the pulls of its mapping (current and fading out), its patch, its
- * pointer and its palette. The pointer has separate parts for contacts and for other points of the
- * skin. */
+ * pointer, its palette and its life. The pointer has separate parts for contacts and for other
+ * points of the skin. */
 static uint32_t parts_of(performer *self, uint32_t index, bool is_fresh, int64_t now_ns,
                          composer_part out[PERFORMER_PARTS_MAX])
 {
@@ -193,7 +214,8 @@ static uint32_t parts_of(performer *self, uint32_t index, bool is_fresh, int64_t
     out[part_count++].weight *= weight;
     part_count += patch_parts(v->layer, &whole, out + part_count);
     part_count += pointer_parts(v->layer, &whole, out + part_count);
-    return part_count + palette_parts(v->layer, &whole, out + part_count);
+    part_count += palette_parts(v->layer, &whole, out + part_count);
+    return part_count + life_parts(v->layer, &whole, out + part_count);
 }
 
 static bool is_below(const performer_voice *a, const performer_voice *b)

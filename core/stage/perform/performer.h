@@ -20,7 +20,7 @@ typedef struct performer_settings {
 /* ---- voices ---- */
 
 enum {
-    PERFORMER_PARTS_MAX = 9, /* maximum number of parts of one voice */
+    PERFORMER_PARTS_MAX = 10, /* maximum number of parts of one voice */
     PERFORMER_VOICES_MAX = COMPOSER_PARTS_MAX / PERFORMER_PARTS_MAX,
     PERFORMER_NO_VOICE = PERFORMER_VOICES_MAX
 };

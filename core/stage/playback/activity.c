@@ -196,6 +196,7 @@ static void measure(const activity *self, float out[ACTIVITY_LANES])
     add_pull(self, &s, &finger->pull, dt_s);
     add_pull(self, &s, &finger->places, finger->is_fresh ? dt_s : 0.0);
     add_pull(self, &s, &of->palette.pull, dt_s);
+    add_pull(self, &s, &of->life.pull, dt_s);
     for (uint32_t i = 0; i < ACTIVITY_LANES; ++i)
         out[i] = s.count[i] > 0 ? (float)sqrt(s.square[i] / s.count[i]) : 0.0f;
 }

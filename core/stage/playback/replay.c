@@ -87,10 +87,16 @@ static mrt_result isolate_foreign(replay *self, const char *library, const mrt_p
     return result;
 }
 
+/* Parts that need no mapping: their samples move the face directly. */
+static bool is_own_part(take_part part)
+{
+    return part == TAKE_PALETTE || part == TAKE_LIFE;
+}
+
 static mrt_result find_mapping(replay *self, const mrt_plugin_type **out_type, error *err)
 {
     plugin_words then = parse_identity(self->info.performance.mapping);
-    if (self->part == TAKE_PALETTE || strcmp(then.id, null_mapping_type.id) == 0) {
+    if (is_own_part(self->part) || strcmp(then.id, null_mapping_type.id) == 0) {
         *out_type = &null_mapping_type;
         self->is_same_plugin = true;
         return MRT_OK;
@@ -155,8 +161,11 @@ static mrt_result calibrate(replay *self, track *t, const take_track *as, error 
 /* Whether the part has the samples of this track. */
 static bool is_in_part(const replay *self, const take_track *of)
 {
-    const bool is_palette = of->channel_count > 0 && of->channel[0].semantic == PALETTE_SEMANTIC;
-    return self->part == TAKE_WHOLE || (self->part == TAKE_PALETTE) == is_palette;
+    const uint32_t semantic = of->channel_count > 0 ? of->channel[0].semantic : 0;
+    const take_part part = semantic == PALETTE_SEMANTIC ? TAKE_PALETTE
+                           : semantic == LIFE_SEMANTIC  ? TAKE_LIFE
+                                                        : TAKE_HANDS;
+    return self->part == TAKE_WHOLE || self->part == part;
 }
 
 /* Notes the poses of a palette that this face lacks. */
@@ -309,14 +318,29 @@ void replay_schedule(replay *self, scheduler *into, const sample_source *as)
 
 /* ---- taught values of the mapping ---- */
 
-/* Parts of a stored state: the taught values of the mapping, and the rest. */
+typedef struct kept_bytes {
+    const unsigned char *data;
+    size_t size;
+} kept_bytes;
+
+/* Parts of a stored state: the taught values of the mapping, the parts that are performed alone,
+ * and the rest. */
 typedef struct kept_parts {
     int64_t show_offset_ns;
-    const unsigned char *taught, *palette, *state;
-    size_t taught_size, palette_size, state_size;
+    kept_bytes taught, palette, life, state;
 } kept_parts;
 
-enum { WITHOUT_TAUGHT = 2, WITHOUT_PALETTE = 3 }; /* last versions without these parts */
+/* Last versions without these parts. */
+enum { WITHOUT_TAUGHT = 2, WITHOUT_PALETTE = 3, WITHOUT_LIFE = 4 };
+
+static kept_bytes read_kept(bytes_in *in)
+{
+    const size_t size = bytes_read_u32(in);
+    const kept_bytes out = {in->at, size};
+    in->failed |= size > (size_t)(in->end - in->at);
+    in->at += in->failed ? 0 : size;
+    return out;
+}
 
 static bool parse_checkpoint(kept_parts *out, const show_checkpoint *kept)
 {
@@ -326,19 +350,13 @@ static bool parse_checkpoint(kept_parts *out, const show_checkpoint *kept)
     bytes_in in = {.at = kept->bytes, .end = (const unsigned char *)kept->bytes + kept->size};
     bytes_read(&in, &out->show_offset_ns, sizeof out->show_offset_ns);
     if (kept->version > WITHOUT_TAUGHT)
-        out->taught_size = bytes_read_u32(&in);
-    if (in.failed || out->taught_size > (size_t)(in.end - in.at))
-        return false;
-    out->taught = in.at;
-    in.at += out->taught_size;
+        out->taught = read_kept(&in);
     if (kept->version > WITHOUT_PALETTE)
-        out->palette_size = bytes_read_u32(&in);
-    if (in.failed || out->palette_size > (size_t)(in.end - in.at))
-        return false;
-    out->palette = in.at;
-    out->state = in.at + out->palette_size;
-    out->state_size = (size_t)(in.end - out->state);
-    return true;
+        out->palette = read_kept(&in);
+    if (kept->version > WITHOUT_LIFE)
+        out->life = read_kept(&in);
+    out->state = (kept_bytes){in.at, (size_t)(in.end - in.at)};
+    return !in.failed;
 }
 
 /* Returns the largest possible size of a stored state of this face. */
@@ -363,9 +381,9 @@ static mrt_result read_taught(replay *self, error *err)
     else if (result < 0)
         return result;
     error why = {""};
-    if (result >= 0 && parse_checkpoint(&parts, &kept) && parts.taught_size > 0) {
+    if (result >= 0 && parse_checkpoint(&parts, &kept) && parts.taught.size > 0) {
         self->keeps_taught = true;
-        if (taught_load(&self->mapping, parts.taught, parts.taught_size, &why) < 0)
+        if (taught_load(&self->mapping, parts.taught.data, parts.taught.size, &why) < 0)
             log_push(self->world.log, MRT_LOG_WARNING, "take", why.text);
     }
     if (result >= 0)
@@ -437,7 +455,7 @@ mrt_result replay_open(replay **out, const replay_world *world, int64_t performa
     const composer *shown = world->scratch->composer;
     settings.reach_mm = composer_reach_mm(shown, &settings.centre);
     result = layer_create(&self->layer, &self->mapping, composer_mapped(shown), &settings, err);
-    if (result >= 0 && part != TAKE_PALETTE)
+    if (result >= 0 && !is_own_part(part))
         result = set_patch(self, err);
     if (result >= 0)
         result = read_events(self, err);
@@ -602,24 +620,36 @@ static mrt_result rewind_all(replay *self, error *err)
     return position(self, err);
 }
 
+/* The same for a part that needs no mapping. */
+static mrt_result resume_own(replay *self, const kept_parts *kept, performer *into, error *err)
+{
+    layer *of = self->layer;
+    const kept_bytes *bytes = self->part == TAKE_LIFE ? &kept->life : &kept->palette;
+    layer_reset(of);
+    composer_reset(into->composer);
+    if (bytes->size > 0 && self->part == TAKE_LIFE &&
+        !life_load(&of->life, &of->guard, bytes->data, bytes->size))
+        return error_set(err, MRT_ERR_FORMAT, "the stored life of the face is damaged");
+    if (bytes->size > 0 && self->part == TAKE_PALETTE &&
+        !palette_load(&of->palette, &of->guard, bytes->data, bytes->size))
+        return error_set(err, MRT_ERR_FORMAT, "the stored palette is of other poses");
+    palette_shift_time(&of->palette, kept->show_offset_ns);
+    life_shift_time(&of->life, kept->show_offset_ns);
+    frame_recompose(into, 0);
+    return MRT_OK;
+}
+
 /* Restores a state that replay_write_state wrote. */
 static mrt_result resume(replay *self, const kept_parts *kept, performer *into, error *err)
 {
     layer *of = self->layer;
     perform_alone(self, into);
-    if (self->part == TAKE_PALETTE) {
-        layer_reset(of);
-        composer_reset(into->composer);
-        if (kept->palette_size > 0 &&
-            !palette_load(&of->palette, &of->guard, kept->palette, kept->palette_size))
-            return error_set(err, MRT_ERR_FORMAT, "the stored palette is of other poses");
-        palette_shift_time(&of->palette, kept->show_offset_ns);
-        frame_recompose(into, 0);
-        return MRT_OK;
-    }
-    mrt_result result = performer_load(into, kept->state, kept->state_size, err);
-    if (result >= 0 && self->part == TAKE_WITHOUT_PALETTE && of->palette.is_known) {
+    if (is_own_part(self->part))
+        return resume_own(self, kept, into, err);
+    mrt_result result = performer_load(into, kept->state.data, kept->state.size, err);
+    if (result >= 0 && self->part == TAKE_HANDS && (of->palette.is_known || of->life.is_known)) {
         palette_reset(&of->palette);
+        life_reset(&of->life);
         frame_recompose(into, 0);
     }
     if (result >= 0) {
@@ -651,7 +681,7 @@ mrt_result replay_restore(replay *self, int64_t time_ns, int64_t least_ns, perfo
         return result;
     kept_parts parts;
     bool is_wanted =
-        kept.time_ns >= least_ns && parse_checkpoint(&parts, &kept) && parts.state_size > 0;
+        kept.time_ns >= least_ns && parse_checkpoint(&parts, &kept) && parts.state.size > 0;
     bool is_usable = is_wanted && resume(self, &parts, into, &ignored) >= 0;
     int64_t then_ns = kept.time_ns;
     if (!has_kept)
@@ -730,7 +760,7 @@ static int64_t read_state_ahead(replay *self)
         show_checkpoint_before(self->world.show, self->info.performance.id, self->asked_from_ns - 1,
                                most_kept(self), &self->ahead_state, &ignored) < 0)
         return self->info.from_ns;
-    if (parse_checkpoint(&parts, &self->ahead_state) && parts.state_size > 0 &&
+    if (parse_checkpoint(&parts, &self->ahead_state) && parts.state.size > 0 &&
         self->ahead_state.time_ns >= self->info.from_ns)
         return self->ahead_state.time_ns + 1;
     show_checkpoint_finish(&self->ahead_state);
@@ -809,10 +839,11 @@ size_t replay_write_state(const instance *mapping, performer *of, int64_t show_o
                           void *bytes, size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
-    const palette *played = of ? &of->voice[0].layer->palette : NULL;
+    const layer *from = of ? of->voice[0].layer : NULL;
     const size_t taught = taught_save(mapping, NULL, 0),
                  size = of ? performer_save(of, NULL, 0) : 0,
-                 poses = played && played->is_known ? palette_save(played, NULL, 0) : 0;
+                 poses = from && from->palette.is_known ? palette_save(&from->palette, NULL, 0) : 0,
+                 lives = from && from->life.is_known ? life_save(&from->life, NULL, 0) : 0;
     if (size == 0 && taught == 0)
         return 0;
     bytes_write(&out, &show_offset_ns, sizeof show_offset_ns);
@@ -822,8 +853,12 @@ size_t replay_write_state(const instance *mapping, performer *of, int64_t show_o
     out.size += taught;
     bytes_write_u32(&out, (uint32_t)poses);
     if (out.data && poses > 0 && out.size <= out.capacity && poses <= out.capacity - out.size)
-        (void)palette_save(played, out.data + out.size, poses);
+        (void)palette_save(&from->palette, out.data + out.size, poses);
     out.size += poses;
+    bytes_write_u32(&out, (uint32_t)lives);
+    if (out.data && lives > 0 && out.size <= out.capacity && lives <= out.capacity - out.size)
+        (void)life_save(&from->life, out.data + out.size, lives);
+    out.size += lives;
     if (out.data && size > 0 && out.size <= out.capacity && size <= out.capacity - out.size)
         performer_save(of, out.data + out.size, size);
     return out.size + size;

@@ -22,23 +22,22 @@ typedef struct replay_world {
 
 /* Version and largest size of a stored state (show_checkpoint.version). */
 enum {
-    REPLAY_CHECKPOINT_VERSION = 4,
+    REPLAY_CHECKPOINT_VERSION = 5,
     REPLAY_CHECKPOINT_BYTES = 4 << 20 /* plus the size of the face */
 };
 /* [frame] Writes the state of a performance that is being recorded, for replay_restore. It holds
- * the taught values of the mapping and, if `of` is not NULL, the palette, and everything on which
- * later frames of the performer depend. Pass NULL if other layers move the face too.
- * show_offset_ns: added to the clock, it gives show time. Writes at most `capacity` bytes and
- * returns the size. 0: nothing to store. */
+ * the taught values of the mapping and, if `of` is not NULL, the parts that a take performs alone
+ * (take_own_part_of), and everything on which later frames of the performer depend. Pass NULL if
+ * other layers move the face too. show_offset_ns: added to the clock, it gives show time. Writes at
+ * most `capacity` bytes and returns the size. 0: nothing to store. */
 enum { REPLAY_STATE_MIN = TAUGHT_BYTES_MAX + 64 }; /* enough for the taught values alone */
 size_t replay_write_state(const instance *mapping, performer *of, int64_t show_offset_ns,
                           void *bytes, size_t capacity);
 
 typedef struct replay replay;
 
-/* Opens a performance, or a part of it: without its palette, or its palette alone, which needs no
- * mapping. Its mapping is found by id. A different version is used too, and replay_note reports
- * it. */
+/* Opens a performance, or a part of it. A part other than the hands needs no mapping. Its mapping
+ * is found by id. A different version is used too, and replay_note reports it. */
 CHECKED mrt_result replay_open(replay **out, const replay_world *world, int64_t performance,
                                take_part part, error *err);
 void replay_close(replay *self); /* accepts NULL */

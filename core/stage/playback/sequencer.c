@@ -361,9 +361,10 @@ static mrt_result cross_boundary(sequencer *self, int64_t at_ns, bool *out_chang
         } else if (p->replay && fresh_count > 0 && self->now_ns != BEFORE_ALL) {
             *out_changed |= layer_pull(replay_layer(p->replay))->mode != MRT_IDLE;
         }
-        /* A pose that is held has no samples, so it shows at once. */
+        /* A pose that is held has no samples, so it shows at once; life does, too. */
         if (p->replay && (fresh_count > 0 || self->now_ns == BEFORE_ALL))
-            *out_changed |= replay_layer(p->replay)->palette.pull.mode != MRT_IDLE;
+            *out_changed |= replay_layer(p->replay)->palette.pull.mode != MRT_IDLE ||
+                            replay_layer(p->replay)->life.pull.mode != MRT_IDLE;
     }
     schedule_plays(self);
     return result;

@@ -212,7 +212,9 @@ static void note_step(overdub_run *self, const recorder *into, const sample_step
     p->sample_count += 1;
     for (uint32_t i = 0; i < s->count; ++i) {
         const channel_route *route = s->of[i].route;
-        p->has_poses |= palette_is_route(route);
+        for (int k = 0; k < TAKE_OWN_PARTS; ++k)
+            p->has_own[k] |= take_own_part_of[k].part == TAKE_LIFE ? life_is_route(route)
+                                                                   : palette_is_route(route);
         p->has_others |=
             route->table.count > 0 && route->table.channel[0].semantic < (uint32_t)POINTER_SEMANTIC;
     }
@@ -320,14 +322,15 @@ static int64_t fade_that_fits(const overdub_run *self, int64_t length_ns)
     return self->plan.fade_ns < length_ns / 2 ? self->plan.fade_ns : length_ns / 2;
 }
 
-/* A layer of a palette stays one. */
+/* A layer of a palette or of life stays one. */
 static take_part part_of_layer(const making *self, uint32_t id)
 {
     take_part part = TAKE_WHOLE;
     for (uint32_t i = 0; i < self->after.layer_count; ++i) {
         const take_layer *l = &self->after.layer[i];
-        if (l->id == id && l->clip_count > 0 && l->clip[0].part == TAKE_PALETTE)
-            part = TAKE_PALETTE;
+        for (int k = 0; k < TAKE_OWN_PARTS; ++k)
+            if (l->id == id && l->clip_count > 0 && l->clip[0].part == take_own_part_of[k].part)
+                part = take_own_part_of[k].part;
     }
     return part;
 }
@@ -429,26 +432,33 @@ static mrt_result add_part(making *self, const overdub_pass *p, const char *name
     edit_init(&e, EDIT_LAYER_ADDITIVE);
     e.layer = *out_id;
     e.is_additive = true;
-    if (result >= 0 && part == TAKE_PALETTE)
+    if (result >= 0 && part >= TAKE_PALETTE)
         result = add(self, &e, err);
     return result >= 0 && !is_heard ? mute(self, *out_id, err) : result;
 }
 
-/* Poses that were played become a layer of their own, above the rest of the pass. */
+/* Poses that were played, and life, become layers of their own, above the rest of the pass. */
 static mrt_result add_pass(making *self, const overdub_pass *p, bool is_heard, uint32_t *out_id,
                            error *err)
 {
     const overdub_plan *plan = &self->run->plan;
     const char *name = plan->name[0] ? plan->name : self->name;
     mrt_result result = MRT_OK;
-    if (p->has_others || !p->has_poses)
-        result = add_part(self, p, name, p->has_poses ? TAKE_WITHOUT_PALETTE : TAKE_WHOLE, is_heard,
-                          out_id, err);
-    uint32_t poses = 0;
-    if (p->has_poses && result >= 0)
-        result = add_part(self, p, p->has_others || !plan->name[0] ? TAKE_PALETTE_LAYER : name,
-                          TAKE_PALETTE, is_heard, &poses, err);
-    *out_id = p->has_others || !p->has_poses ? *out_id : poses;
+    uint32_t own_count = 0, own_id = 0;
+    for (int k = 0; k < TAKE_OWN_PARTS; ++k)
+        own_count += p->has_own[k];
+    const bool has_hands = p->has_others || own_count == 0;
+    if (has_hands)
+        result =
+            add_part(self, p, name, own_count > 0 ? TAKE_HANDS : TAKE_WHOLE, is_heard, out_id, err);
+    for (int k = 0; k < TAKE_OWN_PARTS && result >= 0; ++k) {
+        const take_own_part *own = &take_own_part_of[k];
+        const bool has_name = !has_hands && own_count == 1 && plan->name[0];
+        if (p->has_own[k])
+            result =
+                add_part(self, p, has_name ? name : own->layer, own->part, is_heard, &own_id, err);
+    }
+    *out_id = has_hands ? *out_id : own_id;
     return result;
 }
 

@@ -39,7 +39,8 @@ typedef struct overdub_pass { /* samples of one pass */
     int64_t first_ns, last_ns; /* show time: first and last sample within in..out */
     int64_t start_ns, end_ns;  /* on the timeline: of these two samples */
     uint64_t sample_count;
-    bool has_poses, has_others; /* samples of a palette; of other inputs than the pointer */
+    bool has_own[TAKE_OWN_PARTS]; /* samples of these parts (take_own_part_of) */
+    bool has_others;              /* samples of other inputs than the pointer */
 } overdub_pass;
 
 typedef enum overdub_state {

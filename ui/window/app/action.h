@@ -16,6 +16,7 @@ typedef enum action {
     ACTION_REZERO,    /* Z: the pose that the hands hold now is their neutral one */
     ACTION_LIVE,      /* L: back to the live hands */
     ACTION_HAND_KEYS, /* Y: the keyboard is a hand, until Escape (virtual_hand.h) */
+    ACTION_LIFE,      /* Shift+L: the face lives by itself, or rests (kept_life.h) */
     /* transport */
     ACTION_PLAY,           /* Space */
     ACTION_STOP,           /* Shift+Space: stop, to where it was started */

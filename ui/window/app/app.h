@@ -50,6 +50,7 @@ typedef struct app_options {
     const char *note;           /* said to the person at the start; NULL: nothing */
     const sound_backend *sound; /* NULL: PortAudio */
     wake *changed;              /* as live_settings; NULL: not needed */
+    bool lives;                 /* the face lives in a new show (kept_life.h) */
     app_face_ahead *ahead;      /* its face is taken if it is the one to begin with; NULL: none */
 } app_options;
 
@@ -191,6 +192,7 @@ app_remote_status app_remote_now(const app *self); /* texts until the next frame
 void app_set_remote(app *self, const char *address);
 void app_renew_remote_code(app *self);     /* those who have the old one are out */
 struct pose_palette *app_poses(app *self); /* pose_palette.h */
+struct kept_life *app_life(app *self);     /* kept_life.h */
 
 /* The current external time code; false: none is running. */
 bool app_outside_code(const app *self, timecode_rate *out_rate, int64_t *out_frame);

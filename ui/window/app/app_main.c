@@ -291,11 +291,12 @@ static mrt_result make_parts(app *self, const app_options *options, error *err)
     self->news = news_list_create();
     self->exports = exporter_create();
     self->poses = pose_palette_create(self, self->settings);
+    self->life = kept_life_create(self, options->lives);
     self->remote = remote_create(self);
     self->scenery = kept_scenery_create(self);
     self->inputs = self->log ? input_opener_create(&self->plugins, self->log) : NULL;
     if (!self->log || !self->news || !self->exports || !self->inputs || !self->poses ||
-        !self->remote || !self->scenery)
+        !self->remote || !self->scenery || !self->life)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
     if (note[0])
         app_say(self, MRT_LOG_WARNING, "%s", note);
@@ -370,6 +371,7 @@ mrt_result app_destroy(app *self)
     kept_scenery_destroy(self->scenery);
     mrt_result result = end_live(self);
     pose_palette_destroy(self->poses);
+    kept_life_destroy(self->life);
     if (app_close_show(self, self->show) < 0)
         result = MRT_ERR_IO;
     face_file_destroy(self->face);
@@ -469,6 +471,7 @@ void app_update(app *self, double dt_s)
     const live_view *newest = NULL;
     self->wanted_s = HUGE_VAL;
     take_inputs(self);
+    live_set_life(self->live, kept_life_now(self->life));
     live_update(self->live);
     (void)live_read_view(self->live, &newest);
     if (newest)
@@ -596,6 +599,11 @@ app_choice *app_chosen(app *self)
 struct pose_palette *app_poses(app *self)
 {
     return self->poses;
+}
+
+struct kept_life *app_life(app *self)
+{
+    return self->life;
 }
 
 void app_ask(app *self, app_call of)
@@ -876,6 +884,9 @@ static void do_performance(app *self, action of)
         break;
     case ACTION_HAND_KEYS:
         self->has_hand_keys = !self->has_hand_keys;
+        break;
+    case ACTION_LIFE:
+        kept_life_toggle(self->life);
         break;
     default:
         break;

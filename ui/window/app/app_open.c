@@ -291,6 +291,7 @@ static void perform_as_show_says(app *self)
     const bool had_own = app_solver(self) != NULL;
     read_solver(self);
     kept_scenery_read(self->scenery);
+    kept_life_read(self->life);
     if (had_own || app_solver(self))
         (void)app_report(self, live_set_solver(self->live, app_solver(self), &err), &err);
 }
@@ -996,6 +997,7 @@ mrt_result app_open_first(app *self, const app_options *options, error *err)
     if (result >= 0) {
         read_solver(self);
         kept_scenery_read(self->scenery);
+        kept_life_read(self->life);
         result = choose(self, options, &named, err);
     }
     if (result >= 0)

@@ -6,6 +6,7 @@
 #include "window/app/app.h"
 #include "window/app/exporter.h"
 #include "window/app/pose_palette.h"
+#include "window/app/kept_life.h"
 #include "window/app/kept_scenery.h"
 #include "window/app/presets.h"
 #include "window/app/remote.h"
@@ -140,6 +141,7 @@ struct app {
     char picture_says[256]; /* the last message of window and streams */
     uint32_t stream_count;
     pose_palette *poses;
+    kept_life *life;
     remote *remote;
     struct viewport *viewport;
     app_looks looks;

@@ -1006,19 +1006,13 @@ static void follow_inputs(panel *self)
     self->input_count = count;
 }
 
-/* The palette is in the panel Poses, which keeps it. */
-static bool is_palette(live *stage, uint32_t index)
-{
-    return strcmp(input_plugin(live_input(stage, index))->id, PALETTE_ID) == 0;
-}
-
 static void draw_inputs(panel *self, ui *on)
 {
     live *stage = app_live(self->app);
     uint32_t removed = UINT32_MAX, drawn = 0;
     char id[32];
     for (uint32_t i = 0; i < live_input_count(stage); ++i) {
-        if (is_palette(stage, i))
+        if (live_input_is_own(stage, i)) /* in the panel Poses */
             continue;
         drawn += 1;
         (void)snprintf(id, sizeof id, "input %u", i);

@@ -3,6 +3,7 @@
  * the background, and each is drawn once. */
 #include "window/panels/panels.h"
 
+#include "window/app/kept_life.h"
 #include "window/app/pose_palette.h"
 #include "window/gui/theme.h"
 #include "window/viewport/posed_shape.h"
@@ -30,6 +31,8 @@ struct panel {
     uint32_t next;                         /* first pose without a thumbnail; NOBODY */
     pose_settings work; /* as drawn; newer than the settings while a slider is dragged */
     bool is_held, is_learning;
+    life_settings life; /* as drawn, likewise */
+    bool is_life_held;
     uint32_t played; /* by the mouse; NOBODY: none */
     bool is_drawn;   /* in this frame */
     char search[32];
@@ -409,6 +412,67 @@ static void draw_learning(panel *self, ui *on)
     }
 }
 
+/* ---- life ---- */
+
+/* One kind: its switch, and its strength. */
+static void draw_life_of(panel *self, ui *on, life_kind kind)
+{
+    static const ui_range strength = {0.0, 1.0, "", 2, false, 0.5};
+    static const struct {
+        const char *name, *hint, *strength_hint;
+    } about[LIFE_KINDS] = {
+        [LIFE_BLINK] = {"Blinks", "Close both lids now and then, but not soon after the hand did.",
+                        "How often: 11 to 19 times a minute."},
+        [LIFE_GAZE] = {"Gaze", "Let the eyes dart, and come back to the camera.",
+                       "How far the eyes dart."},
+        [LIFE_BREATH] = {"Breath", "Let the head rise and sink with the breath.",
+                         "How far the head moves."},
+        [LIFE_LEAN] = {"Lean", "Let eyes and head lean into each turn of the head.",
+                       "How far they lean."}};
+    kept_life *of = app_life(self->app);
+    life_settings *work = &self->life;
+    const life_settings *now = kept_life_now(of);
+    const char *missing = live_life_missing(app_live(self->app), kind);
+    ui_id_begin(on, about[kind].name);
+    ui_disabled_begin(on, missing != NULL);
+    char words[64];
+    if (ui_check(on, about[kind].name, &work->is_on[kind])) {
+        (void)snprintf(words, sizeof words, "%s %s", about[kind].name,
+                       work->is_on[kind] ? "on" : "off");
+        kept_life_change(of, work, words);
+    }
+    ui_hint(on, about[kind].hint);
+    ui_same_line(on);
+    ui_at(on, LABEL);
+    (void)ui_slider(on, "##strength", 0.0f, &strength, &work->strength[kind]);
+    const bool is_held = ui_slider_is_held(on);
+    ui_hint(on, about[kind].strength_hint);
+    self->is_life_held |= is_held;
+    if (!is_held && (work->strength[kind] < now->strength[kind] ||
+                     work->strength[kind] > now->strength[kind])) {
+        (void)snprintf(words, sizeof words, "%s %.2f", about[kind].name, work->strength[kind]);
+        kept_life_change(of, work, words);
+    }
+    ui_disabled_end(on);
+    if (missing)
+        ui_text_wrapped(on, UI_STYLE_DIM, missing);
+    ui_id_end(on);
+}
+
+static void draw_life(panel *self, ui *on)
+{
+    if (!self->is_life_held)
+        self->life = *kept_life_now(app_life(self->app));
+    self->is_life_held = false;
+    if (!ui_section(on, "Life", false))
+        return;
+    for (int kind = 0; kind < LIFE_KINDS; ++kind)
+        draw_life_of(self, on, (life_kind)kind);
+    const char *trouble = live_life_trouble(app_live(self->app));
+    if (trouble[0])
+        ui_text_wrapped(on, UI_STYLE_WARNING, trouble);
+}
+
 /* ---- the panel ---- */
 
 static void draw(panel *self, ui *on, ui_rectangle where)
@@ -422,6 +486,7 @@ static void draw(panel *self, ui *on, ui_rectangle where)
     self->is_drawn = true;
     self->next = NOBODY;
     ui_panel_begin(on, "poses", where, UI_GROUND_PANEL);
+    draw_life(self, on);
     draw_head(self, on);
     draw_learning(self, on);
     const char *trouble = pose_palette_trouble(of);
