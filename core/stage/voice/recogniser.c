@@ -12,7 +12,19 @@
 #include <sphinxbase/err.h>
 #include <sphinxbase/fsg_model.h>
 
-#define FILE_OF(name) MAROTTE_POCKETSPHINX "/" name
+/* The folder of the model: that of Debian's package, or $MAROTTE_SPEECH_MODEL. */
+typedef struct model_path {
+    char text[1024];
+} model_path;
+
+static model_path file_of(const char *name)
+{
+    const char *folder = getenv("MAROTTE_SPEECH_MODEL");
+    model_path out;
+    (void)snprintf(out.text, sizeof out.text, "%s/%s", folder ? folder : MAROTTE_POCKETSPHINX,
+                   name);
+    return out;
+}
 
 /* A frame of the model covers 25.6 ms from its start on. */
 static const double frame_s = 0.01, frame_middle_s = 0.0128;
@@ -29,15 +41,15 @@ static mrt_result start(ps_decoder_t **out, cmd_ln_t *config, error *err)
                 : error_set(err, MRT_ERR_UNSUPPORTED,
                             "the model of the speech recognition in %s cannot be read. Install "
                             "pocketsphinx-en-us again",
-                            MAROTTE_POCKETSPHINX);
+                            file_of("").text);
 }
 
 mrt_result recogniser_open(recogniser **out, error *err)
 {
     *out = NULL;
-    if (access(FILE_OF("en-us/mdef"), R_OK) != 0 ||
-        access(FILE_OF("en-us-phone.lm.bin"), R_OK) != 0 ||
-        access(FILE_OF("cmudict-en-us.dict"), R_OK) != 0)
+    if (access(file_of("en-us/mdef").text, R_OK) != 0 ||
+        access(file_of("en-us-phone.lm.bin").text, R_OK) != 0 ||
+        access(file_of("cmudict-en-us.dict").text, R_OK) != 0)
         return error_set(err, MRT_ERR_UNSUPPORTED,
                          "the model of the speech recognition is missing. Install "
                          "pocketsphinx-en-us");
@@ -99,10 +111,10 @@ mrt_result recogniser_listen(recogniser *self, const recogniser_part *part, phon
     mrt_result result = MRT_OK;
     if (!self->listener)
         result = start(&self->listener,
-                       cmd_ln_init(NULL, ps_args(), TRUE, "-hmm", FILE_OF("en-us"), "-allphone",
-                                   FILE_OF("en-us-phone.lm.bin"), "-lw", "2.0", "-beam", "1e-20",
-                                   "-pbeam", "1e-20", "-remove_silence", "no", "-cmn", "batch",
-                                   "-allphone_ci", "yes", NULL),
+                       cmd_ln_init(NULL, ps_args(), TRUE, "-hmm", file_of("en-us").text,
+                                   "-allphone", file_of("en-us-phone.lm.bin").text, "-lw", "2.0",
+                                   "-beam", "1e-20", "-pbeam", "1e-20", "-remove_silence", "no",
+                                   "-cmn", "batch", "-allphone_ci", "yes", NULL),
                        err);
     if (result >= 0 && !run(self->listener, part))
         result = error_set(err, MRT_ERR_IO, "the speech recognition failed at %.1f s", part->at_s);
@@ -124,9 +136,9 @@ static mrt_result open_aligner(recogniser *self, error *err)
         return MRT_OK;
     mrt_result result =
         start(&self->aligner,
-              cmd_ln_init(NULL, ps_args(), TRUE, "-hmm", FILE_OF("en-us"), "-dict",
-                          FILE_OF("cmudict-en-us.dict"), "-remove_silence", "no", "-cmn", "batch",
-                          "-fsgusefiller", "no", "-fsgusealtpron", "no", "-beam", "1e-120",
+              cmd_ln_init(NULL, ps_args(), TRUE, "-hmm", file_of("en-us").text, "-dict",
+                          file_of("cmudict-en-us.dict").text, "-remove_silence", "no", "-cmn",
+                          "batch", "-fsgusefiller", "no", "-fsgusealtpron", "no", "-beam", "1e-120",
                           "-pbeam", "1e-120", "-wbeam", "1e-120", "-lw", "1", NULL),
               err);
     for (uint32_t i = 1; i < PHONE_COUNT && result >= 0; ++i) {
