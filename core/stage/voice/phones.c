@@ -266,12 +266,13 @@ static mrt_result recognise(analysis *self, size_t from, size_t end, phone_list 
         result = self->from->read(self->from->data, (int64_t)(from * FRAME), sound, count, err);
     for (size_t i = 0; i < count && result >= 0; ++i)
         whole[i] = (int16_t)lrint(fmin(fmax(32767.0 * (double)sound[i], -32768.0), 32767.0));
+    double score;
     const recogniser_part part = {whole, count, (double)from * frame_s};
     if (result >= 0 && self->words.count > 0)
         result = recogniser_align(self->by, &part, &self->words, self->next_word,
                                   end == self->frame_count, &self->next_word, out, err);
     else if (result >= 0)
-        result = recogniser_listen(self->by, &part, out, err);
+        result = recogniser_listen(self->by, &part, out, &score, err);
     free(sound);
     free(whole);
     return result;

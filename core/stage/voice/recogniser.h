@@ -20,9 +20,10 @@ typedef struct recogniser_part { /* a part of a voice at PHONES_RATE_HZ */
     double at_s; /* time of its first frame */
 } recogniser_part;
 
-/* Appends the sounds of a part, without knowing its words. */
+/* Appends the sounds of a part, without knowing its words. out_score: how well a frame fits them, a
+ * logarithm. */
 CHECKED mrt_result recogniser_listen(recogniser *self, const recogniser_part *part, phone_list *out,
-                                     error *err);
+                                     double *out_score, error *err);
 /* Appends the sounds of a part in which words from `first` on are said: all of the rest where
  * `is_last`, else as many as fit. *out_next is the first word after it. MRT_END: the words do not
  * fit the part. */
