@@ -196,11 +196,11 @@ void show_performance_finish(show_performance *performance);
  * id. */
 CHECKED mrt_result show_performance_create(show *self, take_performance *p, error *err);
 /* Samples that were computed, not measured, such as the mouth of a voice. They become a track and a
- * performance of it, which no mapping performs in any run. `next` delivers the samples in time order,
- * `time_ns` from 0 on, and returns false after the last one. Computed samples have no time of their
- * own: 0 becomes SHOW_COMPUTED_NS, decades ago, so that what is kept from the journal never has
- * them. The take keeps them, as if one of its edits referred to them. Sets the ids. The caller owns
- * the texts. On failure the show holds nothing of it. */
+ * performance of it, which no mapping performs in any run. `next` delivers the samples in time
+ * order, `time_ns` from 0 on, and returns false after the last one. Computed samples have no time
+ * of their own: 0 becomes SHOW_COMPUTED_NS, decades ago, so that what is kept from the journal
+ * never has them. The take keeps them, as if one of its edits referred to them. Sets the ids. The
+ * caller owns the texts. On failure the show holds nothing of it. */
 #define SHOW_COMPUTED_NS INT64_C(1000000000)
 typedef struct show_computed {
     int64_t take;

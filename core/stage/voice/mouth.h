@@ -9,7 +9,7 @@
  * the voice is louder: jaw and lips are two axes, as in JALI (Edwards et al., 2016). Pure. */
 #ifndef MAROTTE_STAGE_VOICE_MOUTH_H
 #define MAROTTE_STAGE_VOICE_MOUTH_H
-#include "stage/voice/phones.h"
+#include "stage/voice/phone_list.h"
 
 typedef enum mouth_viseme { /* without "sil", which is rest */
                             MOUTH_PP = 0,

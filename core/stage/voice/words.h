@@ -2,7 +2,7 @@
  * Leaves out the dictionary (recogniser.h). Pure; any thread. */
 #ifndef MAROTTE_STAGE_VOICE_WORDS_H
 #define MAROTTE_STAGE_VOICE_WORDS_H
-#include "stage/voice/phones.h"
+#include "stage/voice/phone_list.h"
 
 enum { WORD_BYTES = 40, WORDS_MAX = 8192, WORD_SOUNDS = 64 };
 

@@ -130,11 +130,18 @@ static void lane_menu(panel *self, ui *on, const take *t)
         timeline_fit(self);
 }
 
+static void ask_mouth(panel *self, ui *on)
+{
+    if (self->jaw_lips[0] <= 0.0 && self->jaw_lips[1] <= 0.0)
+        self->jaw_lips[0] = self->jaw_lips[1] = 100.0;
+    ui_dialog_open(on, "timeline_mouth");
+}
+
 static void sound_menu(panel *self, ui *on, const take_audio *audio)
 {
     edit e;
     if (ui_menu_item(on, "Mouth from this voice \u2026", "", audio->audio != 0))
-        timeline_ask_mouth(self, on);
+        ask_mouth(self, on);
     if (ui_menu_item(on, "Align with the take start", "", true)) {
         edit_init(&e, EDIT_AUDIO_OFFSET);
         e.offset_ns = 0;
@@ -420,13 +427,6 @@ static void marker_dialog(panel *self, ui *on)
 }
 
 /* ---- dialog of a mouth from the voice ---- */
-
-void timeline_ask_mouth(panel *self, ui *on)
-{
-    if (self->jaw_lips[0] <= 0.0 && self->jaw_lips[1] <= 0.0)
-        self->jaw_lips[0] = self->jaw_lips[1] = 100.0;
-    ui_dialog_open(on, "timeline_mouth");
-}
 
 static void mouth_dialog(panel *self, ui *on)
 {

@@ -224,7 +224,6 @@ void timeline_menu(panel *self, ui *on);
 void timeline_ask_layer(panel *self, ui *on, uint32_t id); /* 0: new layer */
 void timeline_ask_clip(panel *self, ui *on, uint32_t id);
 void timeline_ask_marker(panel *self, ui *on, int32_t marker);
-void timeline_ask_mouth(panel *self, ui *on);
 void timeline_dialogs(panel *self, ui *on);
 
 /* journal.c */
