@@ -1166,8 +1166,12 @@ static mrt_result apply_mouth(take *t, const edit *e, error *err)
     if (result < 0)
         return result;
     remove_clips(layer);
-    edit of = *e;
+    edit of;
+    edit_init(&of, EDIT_CLIP_ADD);
     of.part = TAKE_PALETTE;
+    of.performance = e->performance;
+    of.from_ns = e->from_ns;
+    of.to_ns = e->to_ns;
     take_clip clip;
     result = edit_material(&clip, t, layer, &of, within_layer(e->start_ns, layer),
                            within_layer(e->end_ns, layer), err);
