@@ -195,6 +195,7 @@ static const operation operations[EDIT_KIND_COUNT] = {
     [EDIT_COMP] = {"comp",
                    {MATERIAL, A_IN, A_OUT, A_FADE},
                    {A_REGIONS, A_OWN, A_NAME, A_SOURCE, A_WARP}},
+    [EDIT_MOUTH] = {"mouth", {A_NAME, MATERIAL, A_START, A_STOP}, {A_LAYER}},
     [EDIT_AUDIO_ATTACH] = {"audio.attach", {A_AUDIO}, {A_OFFSET, A_GAIN}},
     [EDIT_AUDIO_OFFSET] = {"audio.offset", {A_OFFSET}, {0}},
     [EDIT_AUDIO_TRIM] = {"audio.trim", {0}, {A_START, A_STOP}},

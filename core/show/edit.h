@@ -65,8 +65,11 @@ typedef enum edit_kind {
     EDIT_RANGE_CUT,    /* in_ns, out_ns, layers, ripple (close the gap) */
     EDIT_RANGE_INSERT, /* at_ns, length_ns, layers */
     EDIT_PUNCH,        /* layer, material, in_ns, out_ns, fade_ns: replaces a span of the layer */
-    EDIT_COMP, /* regions or own and name, material, in_ns, out_ns, fade_ns: adds a layer for each
-                  region */
+    EDIT_COMP,  /* regions or own and name, material, in_ns, out_ns, fade_ns: adds a layer for each
+                   region */
+    EDIT_MOUTH, /* name, material, start_ns, end_ns: adds poses of a voice as the lowest layer, and
+                   makes the others additive, so that a hand at rest does not hold the mouth shut.
+                   With a layer it replaces the clips of that one, and the others stay */
     EDIT_AUDIO_ATTACH, /* audio, offset_ns, gain */
     EDIT_AUDIO_OFFSET, /* offset_ns */
     EDIT_AUDIO_TRIM,   /* start_ns, end_ns on the timeline: one or both */

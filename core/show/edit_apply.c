@@ -1134,6 +1134,50 @@ static mrt_result apply_punch(take *t, const edit *e, error *err)
     return result < 0 ? result : punch_layer(t, layer, e, err);
 }
 
+/* ---- the mouth of a voice ---- */
+
+static void remove_clips(take_layer *layer)
+{
+    for (uint32_t i = 0; i < layer->clip_count; ++i)
+        edit_clip_finish(&layer->clip[i]);
+    layer->clip_count = 0;
+}
+
+static mrt_result add_lowest_layer(take_layer **out, take *t, const edit *e, error *err)
+{
+    edit add;
+    edit_init(&add, EDIT_LAYER_ADD);
+    memcpy(add.name, e->name, sizeof add.name);
+    add.place = 0;
+    mrt_result result = apply_layer(t, &add, err);
+    if (result < 0)
+        return result;
+    for (uint32_t i = 1; i < t->layer_count; ++i)
+        t->layer[i].is_additive = true;
+    *out = &t->layer[0];
+    return MRT_OK;
+}
+
+static mrt_result apply_mouth(take *t, const edit *e, error *err)
+{
+    take_layer *layer = NULL;
+    mrt_result result =
+        e->layer ? edit_find_layer(&layer, t, e->layer, err) : add_lowest_layer(&layer, t, e, err);
+    if (result < 0)
+        return result;
+    remove_clips(layer);
+    edit of;
+    edit_init(&of, EDIT_CLIP_ADD);
+    of.part = TAKE_PALETTE;
+    of.performance = e->performance;
+    of.from_ns = e->from_ns;
+    of.to_ns = e->to_ns;
+    take_clip clip;
+    result = edit_material(&clip, t, layer, &of, within_layer(e->start_ns, layer),
+                           within_layer(e->end_ns, layer), err);
+    return result < 0 ? result : lay_and_grow(t, layer, clip, err);
+}
+
 /* ---- every operation ---- */
 
 static mrt_result apply_by_kind(take *t, const edit *e, error *err)
@@ -1148,6 +1192,8 @@ static mrt_result apply_by_kind(take *t, const edit *e, error *err)
         return apply_clip(t, e, err);
     if (e->kind <= EDIT_RANGE_INSERT)
         return apply_range(t, e, err);
+    if (e->kind == EDIT_MOUTH)
+        return apply_mouth(t, e, err);
     return e->kind <= EDIT_COMP ? apply_punch(t, e, err) : apply_audio(t, e, err);
 }
 
@@ -1200,5 +1246,6 @@ bool edit_refers(edit_reference *out, const edit *e, const take *before)
     edit full = edit_with_defaults(e, before);
     out->from_ns = full.from_ns;
     out->to_ns = full.to_ns;
-    return e->kind == EDIT_CLIP_ADD || e->kind == EDIT_PUNCH || e->kind == EDIT_COMP;
+    return e->kind == EDIT_CLIP_ADD || e->kind == EDIT_PUNCH || e->kind == EDIT_COMP ||
+           e->kind == EDIT_MOUTH;
 }

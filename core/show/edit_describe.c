@@ -304,6 +304,12 @@ static void describe_punch(char out[EDIT_TEXT], const edit *e, const take *t)
                        (long long)e->performance, range.text);
 }
 
+static void describe_mouth(char out[EDIT_TEXT], const edit *e)
+{
+    (void)snprintf(out, EDIT_TEXT, "mouth from the voice at %.60s",
+                   span(e->start_ns, e->end_ns).text);
+}
+
 static void describe_audio(char out[EDIT_TEXT], const edit *e)
 {
     if (e->kind == EDIT_AUDIO_ATTACH)
@@ -362,6 +368,8 @@ void edit_describe(char out[EDIT_TEXT], const edit *e, const take *before)
         describe_range(out, e, before);
     else if (e->kind <= EDIT_COMP)
         describe_punch(out, e, before);
+    else if (e->kind == EDIT_MOUTH)
+        describe_mouth(out, e);
     else
         describe_audio(out, e);
     mend(out);

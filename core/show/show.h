@@ -195,6 +195,23 @@ void show_performance_finish(show_performance *performance);
 /* Creates a performance that performs the tracks of p->again.of again, with the same span. Sets the
  * id. */
 CHECKED mrt_result show_performance_create(show *self, take_performance *p, error *err);
+/* Samples that were computed, not measured, such as the mouth of a voice. They become a track and a
+ * performance of it, which no mapping performs in any run. `next` delivers the samples in time
+ * order, `time_ns` from 0 on, and returns false after the last one. Computed samples have no time
+ * of their own: 0 becomes SHOW_COMPUTED_NS, decades ago, so that what is kept from the journal
+ * never has them. The take keeps them, as if one of its edits referred to them. Sets the ids. The
+ * caller owns the texts. On failure the show holds nothing of it. */
+#define SHOW_COMPUTED_NS INT64_C(1000000000)
+typedef struct show_computed {
+    int64_t take;
+    const char *program; /* "marotte 0.1.0" */
+    take_track *track;
+    take_performance *performance; /* its track is set */
+    int64_t length_ns;
+    bool (*next)(void *data, mrt_sample *out);
+    void *data;
+} show_computed;
+CHECKED mrt_result show_computed_create(show *self, const show_computed *made, error *err);
 CHECKED mrt_result show_performance_ids(show *self, int64_t **out, size_t *out_count, error *err);
 
 /* Reads the events of [from_ns, to_ns], sorted by time. */

@@ -30,7 +30,13 @@ void show_lock_release(show_lock *lock); /* accepts a lock that is not held, zer
 
 /* ---- the open show ---- */
 
-typedef enum show_id { SHOW_ID_TRACK, SHOW_ID_PERFORMANCE, SHOW_ID_TAKE, SHOW_ID_COUNT } show_id;
+typedef enum show_id {
+    SHOW_ID_TRACK,
+    SHOW_ID_PERFORMANCE,
+    SHOW_ID_TAKE,
+    SHOW_ID_CHUNK,
+    SHOW_ID_COUNT
+} show_id;
 
 struct show {
     sqlite *db;

@@ -143,6 +143,7 @@ static mrt_result read_last_ids(show *self, error *err)
         [SHOW_ID_TRACK] = "SELECT MAX(id) FROM track",
         [SHOW_ID_PERFORMANCE] = "SELECT MAX(id) FROM performance",
         [SHOW_ID_TAKE] = "SELECT MAX(id) FROM take",
+        [SHOW_ID_CHUNK] = "SELECT MAX(id) FROM chunk",
     };
     mrt_result result = MRT_OK;
     for (int i = 0; i < SHOW_ID_COUNT && result >= 0; ++i) {

@@ -266,7 +266,8 @@ static void seal(writer *self, writer_track *track)
     uint32_t open_count = track->count - track->committed_count;
     writer_job *job = failed ? NULL : writer_track_seal(track, self->next_chunk_id, &failed);
     if (job) {
-        self->next_chunk_id += job->id == self->next_chunk_id;
+        if (job->id == self->next_chunk_id)
+            self->next_chunk_id = show_next_id(self->of, SHOW_ID_CHUNK);
         hold(self, job);
     }
     if (failed)
@@ -492,8 +493,10 @@ static mrt_result put_tracks(writer *self, writer_track **out_failed, error *err
     for (uint32_t i = 0; i < self->track_slots && result >= 0; ++i) {
         writer_track *track = &self->track[i];
         if (track->count > track->committed_count) {
-            if (track->chunk_id == 0)
-                track->chunk_id = self->next_chunk_id++;
+            if (track->chunk_id == 0) {
+                track->chunk_id = self->next_chunk_id;
+                self->next_chunk_id = show_next_id(self->of, SHOW_ID_CHUNK);
+            }
             result = writer_track_write(track, &self->store, err);
         }
         if (result >= 0)
@@ -862,10 +865,8 @@ mrt_result writer_start(writer **out, show *s, const writer_options *options, er
     condition_init(&self->wake);
     condition_init(&self->done);
     pthread_mutex_init(&self->lock, NULL);
-    int64_t session, last_chunk;
+    int64_t session;
     result = allocate(self, options, err);
-    if (result >= 0)
-        result = sqlite_number(s->db, "SELECT MAX(id) FROM chunk", 0, &last_chunk, err);
     if (result >= 0)
         result = begin_session(s, options, &session, err);
     if (result >= 0)
@@ -873,7 +874,7 @@ mrt_result writer_start(writer **out, show *s, const writer_options *options, er
     if (result >= 0)
         result = writer_sync_start(&self->sync, s, err);
     if (result >= 0) {
-        self->next_chunk_id = last_chunk + 1;
+        self->next_chunk_id = show_next_id(s, SHOW_ID_CHUNK);
         if (pthread_create(&self->thread, NULL, run, self) != 0)
             result =
                 error_set(err, MRT_ERR_MEMORY, "%s: cannot start a thread for recording", s->path);

@@ -123,20 +123,33 @@ mrt_result writer_job_copy_bytes(writer_job *job, const void *bytes, size_t size
 
 /* ---- destination of the jobs ---- */
 
+mrt_result writer_store_borrow(writer_store *out, sqlite *db, int64_t session, error *err)
+{
+    *out = (writer_store){.db = db, .session = session};
+    return sqlite_prepare(db, &out->put_chunk,
+                          "INSERT INTO chunk(id, track, from_ns, to_ns, bytes)"
+                          "VALUES(?, ?, ?, ?, ?) ON CONFLICT(id) DO UPDATE"
+                          " SET to_ns = excluded.to_ns, bytes = excluded.bytes",
+                          "", err);
+}
+
+void writer_store_give_back(writer_store *store)
+{
+    sqlite_finish(store->put_chunk);
+    *store = (writer_store){0};
+}
+
 /* Synchronous NORMAL: a commit does not wait for the disk. writer.c syncs separately. */
 mrt_result writer_store_open(writer_store *out, const show *s, int64_t session, error *err)
 {
+    sqlite *db = NULL;
     *out = (writer_store){.session = session};
-    mrt_result result = show_connect(s, &out->db, err);
+    mrt_result result = show_connect(s, &db, err);
     if (result >= 0)
-        result =
-            sqlite_run(out->db, "PRAGMA synchronous = NORMAL; PRAGMA wal_autocheckpoint = 0", err);
+        result = sqlite_run(db, "PRAGMA synchronous = NORMAL; PRAGMA wal_autocheckpoint = 0", err);
+    out->db = db;
     if (result >= 0)
-        result = sqlite_prepare(out->db, &out->put_chunk,
-                                "INSERT INTO chunk(id, track, from_ns, to_ns, bytes)"
-                                "VALUES(?, ?, ?, ?, ?) ON CONFLICT(id) DO UPDATE"
-                                " SET to_ns = excluded.to_ns, bytes = excluded.bytes",
-                                "", err);
+        result = writer_store_borrow(out, db, session, err);
     if (result < 0)
         writer_store_close(out);
     return result;
@@ -144,9 +157,9 @@ mrt_result writer_store_open(writer_store *out, const show *s, int64_t session, 
 
 void writer_store_close(writer_store *store)
 {
-    sqlite_finish(store->put_chunk);
-    sqlite_close(store->db);
-    *store = (writer_store){0};
+    sqlite *db = store->db;
+    writer_store_give_back(store);
+    sqlite_close(db);
 }
 
 /* Inserts the chunk, or replaces it by a longer one that begins with the same samples. */

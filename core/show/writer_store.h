@@ -118,6 +118,9 @@ typedef struct writer_store { /* destination of jobs */
 } writer_store;
 CHECKED mrt_result writer_store_open(writer_store *out, const show *s, int64_t session, error *err);
 void writer_store_close(writer_store *store);
+/* As writer_store_open, on a connection and in a transaction of the caller. */
+CHECKED mrt_result writer_store_borrow(writer_store *out, sqlite *db, int64_t session, error *err);
+void writer_store_give_back(writer_store *store); /* accepts zeroed */
 
 CHECKED mrt_result writer_job_run(const writer_job *job, writer_store *store, error *err);
 

@@ -59,6 +59,10 @@ static const char *const every[] = {
     "{'op':'range.cut','in_ns':1000m,'out_ns':2000m}",
     "{'op':'range.cut','in_ns':1000m,'out_ns':2000m,'ripple':true,'layers':[1,4]}",
     "{'op':'range.insert','at_ns':0,'length_ns':1}",
+    "{'op':'mouth','name':'voice mouth','performance':8,'from_ns':0,'to_ns':9000m,"
+    "'start_ns':0,'end_ns':9000m}",
+    "{'op':'mouth','name':'voice mouth','performance':8,'from_ns':0,'to_ns':9000m,"
+    "'start_ns':0,'end_ns':9000m,'layer':3}",
     "{'op':'punch','layer':1,'performance':8,'from_ns':0,'to_ns':9000m,'in_ns':1000m,"
     "'out_ns':2000m,'fade_ns':100m}",
     "{'op':'comp','performance':8,'from_ns':0,'to_ns':9000m,'in_ns':1000m,'out_ns':2000m,"

@@ -146,6 +146,11 @@ static edit any_edit(uint64_t *seed, const take *t, take_warp_point warp[2])
     edit_init(&e, kind);
     fill(seed, &e, t);
     any_lists(seed, &e, warp);
+    if (kind == EDIT_MOUTH && below(seed, 4)) { /* all of its recording, as a voice's is */
+        e.layer = below(seed, 2) ? e.layer : 0;
+        e.start_ns = any_time(seed);
+        e.end_ns = e.start_ns + e.to_ns - e.from_ns;
+    }
     return e;
 }
 

@@ -156,9 +156,48 @@ static void damaged_and_foreign_states_are_refused(void **state)
     assert_false(palette_load(&b, &reach, bytes, size));
 }
 
+/* The pull of a step with the poses open and smile, and shares of the jaw and the lips. */
+static palette shared(float jaw, float lips)
+{
+    static const mrt_channel channels[] = {{"fade", "s", PALETTE_SEMANTIC, MRT_NO_HAND, 0, 10},
+                                           {"jaw", "", PALETTE_JAW, MRT_NO_HAND, 0, 2},
+                                           {"lips", "", PALETTE_LIPS, MRT_NO_HAND, 0, 2},
+                                           {"open", "", PALETTE_SEMANTIC, MRT_NO_HAND, 0, 1}};
+    fixture f;
+    begin(&f);
+    channel_route_init(&f.route, channels, 4);
+    for (int i = 0; i < 2; ++i) {
+        sample_step s = {.time_ns = i * 10000000, .count = 1};
+        s.of[0] = (step_sample){
+            .route = &f.route,
+            .sample = {.time_ns = s.time_ns, .count = 4, .value = {0.0f, jaw, lips, 1.0f}}};
+        assert_true(palette_read(&f.palette, &reach, &s));
+    }
+    return f.palette;
+}
+
+static void jaw_and_lips_are_scaled_apart(void **state)
+{
+    (void)state;
+    const palette whole = shared(1.0f, 1.0f), jaw = shared(0.5f, 1.0f), lips = shared(1.0f, 0.5f);
+    assert_true(fabsf(jaw.pull.dof[0] - 0.5f * whole.pull.dof[0]) < 1e-6f);
+    assert_memory_equal(jaw.pull.vector, whole.pull.vector, sizeof whole.pull.vector);
+    assert_true(fabsf(lips.pull.dof[0] - whole.pull.dof[0]) < 1e-6f);
+    assert_true(fabsf(whole.pull.vector[0].end.y - whole.pull.vector[0].start.y) > 1.0f);
+    assert_true(fabsf(lips.pull.vector[0].end.y - lips.pull.vector[0].start.y -
+                      0.5f * (whole.pull.vector[0].end.y - whole.pull.vector[0].start.y)) < 1e-4f);
+    unsigned char bytes[4096];
+    palette again;
+    const size_t size = palette_save(&jaw, bytes, sizeof bytes);
+    palette_init(&again, &mapped);
+    assert_true(palette_load(&again, &reach, bytes, size));
+    assert_memory_equal(&again.pull, &jaw.pull, sizeof jaw.pull);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(jaw_and_lips_are_scaled_apart),
         cmocka_unit_test(strengths_ease_and_poses_add_up),
         cmocka_unit_test(nonsense_stays_in_range),
         cmocka_unit_test(bones_that_no_pose_moves_are_held_or_free),

@@ -102,6 +102,30 @@ int64_t app_take_id(const app *self)
     return here->take.id;
 }
 
+mrt_result app_speech_begin(app *self, const app_speech_wish *wish)
+{
+    (void)self;
+    (void)wish;
+    return MRT_OK;
+}
+
+double app_speech_part(const app *self)
+{
+    (void)self;
+    return -1.0;
+}
+
+void app_speech_cancel(app *self)
+{
+    (void)self;
+}
+
+const char *app_speech_result(const app *self)
+{
+    (void)self;
+    return "";
+}
+
 void app_add_change(app *self, const undo_change *step)
 {
     (void)self;

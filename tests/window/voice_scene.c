@@ -173,11 +173,91 @@ static void what_is_read_is_given_up_with_its_show_and_one_at_a_time(void **stat
     scene_close(&s);
 }
 
+static bool has_spoken(scene *s, void *data)
+{
+    (void)data;
+    return app_speech_part(s->app) < 0.0;
+}
+
+static void press_move(scene *s)
+{
+    scene_click_word(s, "Move the mouth");
+    assert_true(scene_until(s, has_spoken, NULL));
+    scene_frames(s, 3);
+}
+
+/* The recorded voice of the demo, from its third second on. */
+static void a_voice_moves_the_mouth_by_one_edit(void **state)
+{
+    (void)state;
+    scene s;
+    edit later;
+    char path[512], name[] = "demo.ogg";
+    open_with_a_take(&s);
+    (void)snprintf(path, sizeof path, "%s/plugins/log/%s", SOURCE_DIR, name);
+    assert_int_equal(open_any(s.app, path), MRT_OK);
+    assert_true(scene_until(&s, has_read, NULL));
+    assert_true(scene_until(&s, has_wave, name));
+    edit_init(&later, EDIT_AUDIO_OFFSET);
+    later.offset_ns = -2 * NS_PER_S;
+    assert_int_equal(app_edit(s.app, &later), MRT_OK);
+    scene_frames(&s, 30);
+    const uint32_t layers = app_take(s.app)->layer_count;
+    const float y = scene_word(&s, name)->where.y + 18.0f;
+    scene_click_with(&s, across(&s, 0.5), y, 1);
+    scene_click_word(&s, "Mouth from this voice \u2026");
+    scene_frames(&s, 3);
+    assert_non_null(scene_word(&s, "Mouth from this voice"));
+    press_move(&s);
+    assert_non_null(scene_word_with(&s, "sounds in"));
+    scene_look(&s, "voice_mouth");
+    scene_check_words(&s);
+    const take *now = app_take(s.app);
+    assert_int_equal(now->layer_count, layers + 1);
+    assert_string_equal(now->layer[0].name, "voice mouth");
+    assert_int_equal(now->layer[0].clip[0].part, TAKE_PALETTE);
+    for (uint32_t i = 1; i < now->layer_count; ++i)
+        assert_true(now->layer[i].is_additive);
+    press_move(&s); /* again: it is replaced */
+    assert_int_equal(app_take(s.app)->layer_count, layers + 1);
+    scene_click_word(&s, "Close");
+    scene_do(&s, ACTION_UNDO);
+    scene_do(&s, ACTION_UNDO);
+    assert_int_equal(app_take(s.app)->layer_count, layers);
+    assert_false(app_take(s.app)->layer[0].is_additive);
+    scene_do(&s, ACTION_REDO);
+    assert_int_equal(app_take(s.app)->layer_count, layers + 1);
+    scene_close(&s);
+}
+
+static void a_tone_is_no_voice(void **state)
+{
+    (void)state;
+    scene s;
+    char name[] = "line.au";
+    open_with_a_take(&s);
+    write_sound(&s, name, 1);
+    assert_int_equal(open_file(&s, name), MRT_OK);
+    assert_true(scene_until(&s, has_read, NULL));
+    assert_true(scene_until(&s, has_wave, name));
+    scene_frames(&s, 30);
+    scene_click_with(&s, across(&s, 0.5), scene_word(&s, name)->where.y + 18.0f, 1);
+    scene_click_word(&s, "Mouth from this voice \u2026");
+    scene_frames(&s, 3);
+    const uint32_t layers = app_take(s.app)->layer_count;
+    press_move(&s);
+    assert_non_null(scene_word_with(&s, "no speech was found"));
+    assert_int_equal(app_take(s.app)->layer_count, layers);
+    scene_close(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_voice_is_read_beside_all_else_trimmed_and_taken_away),
         cmocka_unit_test(what_is_read_is_given_up_with_its_show_and_one_at_a_time),
+        cmocka_unit_test(a_voice_moves_the_mouth_by_one_edit),
+        cmocka_unit_test(a_tone_is_no_voice),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

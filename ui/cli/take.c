@@ -146,6 +146,11 @@ static const command_option options[TAKE_OPTION_COUNT] = {
     [TAKE_JOBS] = VALUE("jobs", TAKE_JOBS),
     [TAKE_OUTPUT] = {"output", COMMAND_READ, .read = add_output},
     [TAKE_MOVE] = FLAG("move", TAKE_MOVE),
+    [TAKE_WORDS] = VALUE("words", TAKE_WORDS),
+    [TAKE_WORDS_FILE] = VALUE("words-file", TAKE_WORDS_FILE),
+    [TAKE_JAW] = VALUE("jaw", TAKE_JAW),
+    [TAKE_LIPS] = VALUE("lips", TAKE_LIPS),
+    [TAKE_SOUND] = VALUE("sound", TAKE_SOUND),
 };
 
 const char *take_option_name(take_option option)
@@ -572,6 +577,19 @@ static const take_verb play_verbs[] = {
      .examples = "take export show.marotte last --export out/take.glb --export out/take.csv\n"
                  "take export show.marotte last --export out/take.png --size 640x320\n"
                  "take export show.marotte --all --export \"out/{slate}.pc2\" --fps 25\n"},
+    {"mouth", "SHOW [TAKE]",
+     "  --words TEXT   the words that are said: the mouth is more exact with them\n"
+     "  --words-file FILE   the same, from a text file\n"
+     "  --jaw N        how much the jaw opens, 0 to 1.5 (1)\n"
+     "  --lips N       how much the lips move, 0 to 1.5 (1); lips that close always close\n"
+     "  --sound FILE --face FILE   make a take from this voice, instead of TAKE; SHOW may be new\n"
+     "  --out FILE.csv write the sounds and their times\n"
+     "Adds the layer \"voice mouth\" below the others, which become additive. Run it again to\n"
+     "replace it. Speech is recognised by pocketsphinx, in English.\n",
+     "move the mouth by the voice of a take", "words words-file jaw lips sound face out",
+     TAKE_OPENS_ITSELF, .run = take_mouth_run,
+     .examples = "take mouth show.marotte last --words \"hello, my name is Bob\"\n"
+                 "take mouth new.marotte --sound voice.wav --face puppet --jaw 1.2\n"},
     {"remap", "SHOW TAKE",
      "  --map SPEC        another mapping: PLUGIN[,key=value] (the recorded one)\n"
      "  --patch FILE      another patch; none: no patch\n"

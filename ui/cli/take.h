@@ -77,6 +77,11 @@ typedef enum take_option {
     TAKE_JOBS,
     TAKE_OUTPUT,
     TAKE_MOVE,
+    TAKE_WORDS,
+    TAKE_WORDS_FILE,
+    TAKE_JAW,
+    TAKE_LIPS,
+    TAKE_SOUND,
     TAKE_OPTION_COUNT
 } take_option;
 
@@ -238,6 +243,7 @@ CHECKED mrt_result take_play_run(take_call *call, error *err);
 CHECKED mrt_result take_record_run(take_call *call, error *err);
 CHECKED mrt_result take_log_run(take_call *call, error *err);
 CHECKED mrt_result take_remap_run(take_call *call, error *err);
+CHECKED mrt_result take_mouth_run(take_call *call, error *err);
 
 /* Reports the difference between two takes, by region, and its worst moment. */
 CHECKED mrt_result take_diff_report(take_call *call, const char *a, const char *b, error *err);

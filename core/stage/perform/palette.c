@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { STORE_VERSION = 1 };
+enum { STORE_VERSION = 2, STORE_WITHOUT_SHARES = 1 };
 static const double dt_most_s = 0.1; /* as of a frame */
 
 void palette_init(palette *out, const mapped_face *mapped)
@@ -21,6 +21,7 @@ void palette_reset(palette *self)
     self->is_known = false;
     self->time_ns = 0;
     self->dt_s = 0.0;
+    self->jaw = self->lips = 1.0;
     self->pull = guard_idle();
     memset(self->pose, 0, sizeof self->pose);
 }
@@ -55,6 +56,12 @@ static void read_sample(palette *self, const channel_route *route, const mrt_sam
     const double fade_s = within((double)sample->value[0], PALETTE_FADE_MOST_S);
     uint32_t at = 0;
     for (uint32_t c = 1; c < table->count && c < sample->count; ++c) {
+        const uint32_t semantic = table->channel[c].semantic;
+        if (semantic == PALETTE_JAW || semantic == PALETTE_LIPS) {
+            double *share = semantic == PALETTE_JAW ? &self->jaw : &self->lips;
+            *share = within((double)sample->value[c], PALETTE_SHARE_MOST);
+            continue;
+        }
         const uint32_t found = find_pose(self, table->channel[c].name, at);
         if (found == self->count)
             continue;
@@ -78,6 +85,11 @@ static void ease(palette_pose *pose, double passed_s)
     pose->strength = share < 1.0 ? pose->from + (pose->wanted - pose->from) * eased : pose->wanted;
 }
 
+static bool is_of_jaw(const char *dof)
+{
+    return strncmp(dof, "jaw.", 4) == 0;
+}
+
 /* Adds a pose to `offset`, one vector for each contact, and to the degrees of freedom. */
 static void add_pose(const palette *self, uint32_t which, vec3 *offset, double *dof)
 {
@@ -86,11 +98,12 @@ static void add_pose(const palette *self, uint32_t which, vec3 *offset, double *
     const double strength = self->pose[which].strength;
     for (uint32_t k = 0; k < about->contact_count && k < MRT_MAX_VECTORS; ++k) {
         const mrt_vec3 p = pose->pulls[k];
-        offset[k] = vec3_add(offset[k],
-                             vec3_scale((vec3){(double)p.x, (double)p.y, (double)p.z}, strength));
+        offset[k] = vec3_add(offset[k], vec3_scale((vec3){(double)p.x, (double)p.y, (double)p.z},
+                                                   strength * self->lips));
     }
     for (uint32_t d = 0; d < about->dof_count && d < MRT_MAX_DOFS; ++d)
-        dof[d] += strength * (double)pose->dofs[d];
+        dof[d] +=
+            strength * (is_of_jaw(about->dofs[d].name) ? self->jaw : 1.0) * (double)pose->dofs[d];
 }
 
 static void write_vector(mrt_vector *out, mrt_vec3 rest, vec3 offset, uint32_t contact)
@@ -220,6 +233,8 @@ size_t palette_save(const palette *self, void *bytes, size_t capacity)
     bytes_write_u32(&out, self->is_known);
     bytes_write(&out, &self->time_ns, sizeof self->time_ns);
     bytes_write_f64(&out, self->dt_s);
+    bytes_write_f64(&out, self->jaw);
+    bytes_write_f64(&out, self->lips);
     bytes_write_u32(&out, count);
     for (uint32_t i = 0; i < self->count; ++i) {
         const palette_pose *pose = &self->pose[i];
@@ -260,11 +275,16 @@ bool palette_load(palette *self, const guard *reach, const void *bytes, size_t s
 {
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
     palette_reset(self);
-    in.failed |= bytes_read_u32(&in) != STORE_VERSION;
+    const uint32_t version = bytes_read_u32(&in);
+    in.failed |= version != STORE_VERSION && version != STORE_WITHOUT_SHARES;
     in.failed |= bytes_read_u32(&in) != sum_of_names(self);
     self->is_known = bytes_read_u32(&in) != 0;
     bytes_read(&in, &self->time_ns, sizeof self->time_ns);
     self->dt_s = bytes_read_f64(&in);
+    self->jaw = version == STORE_WITHOUT_SHARES ? 1.0 : bytes_read_f64(&in);
+    self->lips = version == STORE_WITHOUT_SHARES ? 1.0 : bytes_read_f64(&in);
+    in.failed |= !is_share(self->jaw / PALETTE_SHARE_MOST);
+    in.failed |= !is_share(self->lips / PALETTE_SHARE_MOST);
     const uint32_t count = bytes_read_u32(&in);
     in.failed |= count > self->count || !(self->dt_s >= 0.0 && self->dt_s <= dt_most_s);
     for (uint32_t i = 0; i < count && !in.failed; ++i)

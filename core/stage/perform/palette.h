@@ -8,7 +8,9 @@
  *   strength = from + (wanted - from) s^2 (3 - 2 s)    s = time since the change / fade, 0..1
  *   pull     = sum of strength pull(pose)              at each contact and degree of freedom
  *
- * Each strength is within 0..1. A sum that leads out of reach is shortened. */
+ * Each strength is within 0..1. A sum that leads out of reach is shortened. A sample may also say
+ * how much of the sum the jaw and the lips make, each on an axis of its own (JALI): `jaw` scales
+ * the degrees of freedom of the jaw, `lips` the pulls of contacts, which ride on the jaw. */
 #ifndef MAROTTE_STAGE_PALETTE_H
 #define MAROTTE_STAGE_PALETTE_H
 #include "stage/mapping/guard.h"
@@ -16,9 +18,11 @@
 #include "stage/perform/hands.h"
 #include "show/take.h"
 
-/* Semantic of the channels of a palette, all of them MRT_NO_HAND. The first one is the fade in s.
- * The others have the names of poses, and are in 0..1. It is outside the range for plugins. */
-enum { PALETTE_SEMANTIC = 112 };
+/* Semantics of the channels of a palette, all of them MRT_NO_HAND. The first one is the fade in s.
+ * PALETTE_JAW and PALETTE_LIPS are in 0..PALETTE_SHARE_MOST, and 1 where a track lacks them. The
+ * others have the names of poses, and are in 0..1. They are outside the range for plugins. */
+enum { PALETTE_SEMANTIC = 112, PALETTE_JAW = 113, PALETTE_LIPS = 114 };
+#define PALETTE_SHARE_MOST 2.0
 enum { PALETTE_INPUT_POSES = MRT_MAX_CHANNELS - 1, PALETTE_INPUTS = 2 };
 enum { PALETTE_POSES_MAX = PALETTE_INPUTS * PALETTE_INPUT_POSES };
 /* Id of the plugin type of these inputs, by which a track is recognised. */
@@ -35,7 +39,8 @@ typedef struct palette {
     uint32_t count;
     bool is_known; /* has had a sample */
     int64_t time_ns;
-    double dt_s;   /* from the sample before to the last one, at most 0.1 */
+    double dt_s;      /* from the sample before to the last one, at most 0.1 */
+    double jaw, lips; /* shares of the sum, 0..PALETTE_SHARE_MOST; 1: as the poses are */
     mrt_pull pull; /* anchored, or idle: no pose has any strength. The contacts that poses move come
                       first */
     uint32_t moved_count, contact_count; /* of these, and of all in `pull` */

@@ -177,7 +177,7 @@ static void check_poses(replay *self, const take_track *of)
     if (of->channel_count == 0 || of->channel[0].semantic != PALETTE_SEMANTIC)
         return;
     for (uint32_t c = 1; c < of->channel_count; ++c) {
-        bool is_there = false;
+        bool is_there = of->channel[c].semantic != PALETTE_SEMANTIC; /* how much jaw or lips */
         for (uint32_t i = 0; i < mapped->pose_count && !is_there; ++i)
             is_there = strcmp(mapped->pose[i].name, of->channel[c].name) == 0;
         first = is_there || first ? first : of->channel[c].name;

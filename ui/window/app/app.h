@@ -298,6 +298,20 @@ double app_voice_part(const app *self); /* 0..1: progress of reading a voice; < 
  * newest APP_MARKS_MAX. They become markers of the takes that contain them. */
 enum { APP_MARKS_MAX = 256 };
 uint32_t app_marks_of(const app *self, const int64_t **out_at_ns);
+/* ---- app_speech.c: the voice of the chosen take moves the mouth (stage/voice/voice_mouth.h) ----
+ */
+
+typedef struct app_speech_wish {
+    const char *words; /* that are said; "": not known */
+    double jaw, lips;  /* 0..VOICE_MOUTH_AXIS_MOST */
+} app_speech_wish;
+/* Finds the mouth in the background, one at a time, and then adds it to the take by one edit. A
+ * failure is the result. */
+CHECKED mrt_result app_speech_begin(app *self, const app_speech_wish *wish);
+double app_speech_part(const app *self); /* 0..1: progress; < 0: none runs */
+void app_speech_cancel(app *self);       /* it ends within seconds */
+/* The line about the last one; "": none yet. Valid until the next frame. */
+const char *app_speech_result(const app *self);
 
 /* ---- exports ---- */
 

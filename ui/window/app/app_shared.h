@@ -81,6 +81,12 @@ typedef struct app_audio {
     int64_t take;                /* the take that gets it */
 } app_audio;
 
+/* A mouth that is found from a voice. */
+typedef struct app_speech {
+    struct mouth_job *job; /* NULL: none */
+    char result[600];      /* about the last one */
+} app_speech;
+
 /* Time code that comes in and moves the take. */
 typedef struct app_chasing {
     bool is_on;
@@ -135,6 +141,7 @@ struct app {
     app_chasing chase;
     app_pulls pulls;
     app_audio audio;
+    app_speech speech;
 
     kept_scenery *scenery;
     app_picture picture;
@@ -190,6 +197,11 @@ void app_drop_copy(app *self);    /* waits for it */
 void app_follow_audio(app *self); /* once a frame: attaches a sound that has been read */
 void app_chase(app *self);        /* once a frame: follows time code that comes in */
 void app_drop_audio(app *self);   /* cancels reading it */
+
+/* ---- app_speech.c ---- */
+
+void app_follow_speech(app *self); /* once a frame: adds a mouth that was found */
+void app_drop_speech(app *self);   /* cancels and waits for it */
 
 /* ---- app_takes.c ---- */
 

@@ -1,5 +1,6 @@
 /* The context menus and dialogs of the timeline. */
 #include "window/timeline/timeline.h"
+#include "stage/voice/voice_mouth.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -129,9 +130,18 @@ static void lane_menu(panel *self, ui *on, const take *t)
         timeline_fit(self);
 }
 
+static void ask_mouth(panel *self, ui *on)
+{
+    if (self->jaw_lips[0] <= 0.0 && self->jaw_lips[1] <= 0.0)
+        self->jaw_lips[0] = self->jaw_lips[1] = 100.0;
+    ui_dialog_open(on, "timeline_mouth");
+}
+
 static void sound_menu(panel *self, ui *on, const take_audio *audio)
 {
     edit e;
+    if (ui_menu_item(on, "Mouth from this voice \u2026", "", audio->audio != 0))
+        ask_mouth(self, on);
     if (ui_menu_item(on, "Align with the take start", "", true)) {
         edit_init(&e, EDIT_AUDIO_OFFSET);
         e.offset_ns = 0;
@@ -416,8 +426,49 @@ static void marker_dialog(panel *self, ui *on)
     ui_dialog_end(on);
 }
 
+/* ---- dialog of a mouth from the voice ---- */
+
+static void mouth_dialog(panel *self, ui *on)
+{
+    static const char *const label[2] = {"Jaw", "Lips"};
+    static const ui_range range = {0.0, 100.0 * VOICE_MOUTH_AXIS_MOST, "%", 0, true, 100.0};
+    if (!ui_dialog_begin(on, "timeline_mouth", "Mouth from this voice", DIALOG_WIDTH))
+        return;
+    const double part = app_speech_part(self->app);
+    ui_disabled_begin(on, part >= 0.0);
+    ui_text(on, UI_STYLE_DIM, "Words that are said, if you know them");
+    ui_width(on, -1.0f);
+    (void)ui_input_lines(on, "##words", self->spoken, sizeof self->spoken, 84.0f);
+    for (uint32_t i = 0; i < 2; ++i) {
+        ui_width(on, -1.0f);
+        (void)ui_slider(on, label[i], LABEL_WIDTH, &range, &self->jaw_lips[i]);
+    }
+    ui_disabled_end(on);
+    ui_space(on, 8.0f);
+    if (part >= 0.0) {
+        char words[48];
+        (void)snprintf(words, sizeof words, "Listening to the voice, %.0f %%", 100.0 * part);
+        ui_text(on, UI_STYLE_DIM, words);
+        if (ui_button(on, "Cancel", UI_QUIET))
+            app_speech_cancel(self->app);
+    } else {
+        if (app_speech_result(self->app)[0])
+            ui_text_wrapped(on, UI_STYLE_DIM, app_speech_result(self->app));
+        if (ui_button(on, "Move the mouth", UI_ACCENT)) {
+            const app_speech_wish wish = {self->spoken, 0.01 * self->jaw_lips[0],
+                                          0.01 * self->jaw_lips[1]};
+            (void)!app_speech_begin(self->app, &wish); /* the dialog shows why it failed */
+        }
+        ui_same_line(on);
+        if (ui_button(on, "Close", UI_QUIET))
+            ui_dialog_close(on);
+    }
+    ui_dialog_end(on);
+}
+
 void timeline_dialogs(panel *self, ui *on)
 {
+    mouth_dialog(self, on);
     layer_dialog(self, on);
     clip_dialog(self, on);
     marker_dialog(self, on);

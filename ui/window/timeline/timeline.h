@@ -115,6 +115,8 @@ typedef struct timeline_slid { /* shift of another take below a take */
     int64_t of, take, later_ns;
 } timeline_slid;
 
+enum { TIMELINE_WORDS = 8192 };
+
 struct panel {
     app *app;
     timeline_worker *worker;
@@ -164,6 +166,8 @@ struct panel {
     uint32_t asked_layer, asked_clip;
     int32_t asked_marker;
     int64_t asked_take;
+    char spoken[TIMELINE_WORDS]; /* words of a voice, for its mouth */
+    double jaw_lips[2];          /* how much jaw, lips, in % */
     char text[512];
     timeline_slip slip, slip_before;
     double number[5];
