@@ -78,8 +78,9 @@ for seconds in 2 5 15 60; do # however long it takes to begin
     printf 'wait %d\nclick 301 471\nwait %d\n' $seconds $seconds >"$scratch/newcomer.txt"
     MAROTTE_CAMERA_PACKAGE=$scratch/tracker MAROTTE_BROWSER=$scratch/bin/browser "$MAROTTE" stage --hidden --size 1280x720 --script "$scratch/newcomer.txt" \
         --picture "$scratch/newcomer.png" >"$scratch/stage.txt" 2>&1 || fail "the stage: $(tail -n 3 "$scratch/stage.txt")"
-    [ "$(fact 'hand to face' "$scratch/stage.txt")" != 0.00 ] && break
+    samples=$(fact 'samples performed' "$scratch/stage.txt")
+    [ "${samples:-0}" -ge 20 ] && break
 done
-[ "$(fact 'hand to face' "$scratch/stage.txt")" != 0.00 ] ||
+[ "${samples:-0}" -ge 20 ] ||
     fail "\"Camera\" is not what an empty stage offers first, or no hand moves the face after one click"
 finish
