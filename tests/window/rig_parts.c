@@ -137,7 +137,7 @@ static void a_new_bone_gets_a_region_of_its_own(void **state)
 static void a_bone_is_taken_out_and_the_skull_stays(void **state)
 {
     (void)state;
-    open_parts(1280, 720, 1.0f);
+    open_parts(1280, 1000, 1.0f);
     const uint32_t count = rig_now()->bone_count;
     fold("Collision shapes");
     fold("Poses");
