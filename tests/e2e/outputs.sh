@@ -55,7 +55,7 @@ if command -v oscdump >/dev/null; then
         fail "the last step before a pause is not sent: $(cat said)"
 
     # The stage starts with what was open when it ended.
-    printf 'do panel_output\nframes 3\npress Add\nframes 3\n' >script
+    printf 'do panel_output\nframes 3\npress Start sending\nframes 3\n' >script
     stage=("$MAROTTE" "$scratch/stage.marotte" --hidden --settings "$scratch/window.json" --face "$puppet" --map one_hand --size 1200x760)
     timeout 120 "${stage[@]}" --script script >said 2>stderr || fail "the panel: $(tail -2 stderr)"
     grep -q '"0": "org.marotte.' window.json || fail "the output is not kept: $(cat window.json)"
