@@ -141,12 +141,18 @@ void face_shape_offset(const face *f, uint32_t index, float *out);
  * s. Parts that are faster than a hand can move a head are carried along. Call after each face_aim
  * or face_drag. Returns true if a bone has moved; face_show then shows it. */
 bool face_swing(face *f, int64_t time_ns);
+/* Takes back the swing of this time, if there was one: several steps of the same time swing as one
+ * step with their last pose. Call before the face_aim or face_drag of a step. */
+void face_swing_begin(face *f, int64_t time_ns);
 bool face_dof_swings(const face *f, uint32_t dof); /* a spring moves this degree of freedom */
 /* 0..1: the share of the swing that is shown; initially that of the rig. 0: they hold still. Call
  * between frames. */
 void face_set_springs(face *f, double share);
 /* Moves the time of the last face_swing to another clock. */
 void face_shift_time(face *f, int64_t by_ns);
+bool face_has_springs(const face *f);
+/* Copies the swing of another face of the same rig, and its time. The next face_swing shows it. */
+void face_copy_swing(face *f, const face *from);
 
 /* ---- unanchored ---- */
 

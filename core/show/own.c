@@ -11,7 +11,7 @@ static const own_part parts[OWN_REGION_COUNT] = {
     [OWN_EYES] = {"eyes", 1, {"eye.*"}},
     [OWN_CHEEKS] = {"cheeks", 2, {"cheek.*", "nasolabial.*"}},
     [OWN_NOSE] = {"nose", 1, {"nose.*"}},
-    [OWN_HEAD] = {"head", 1, {"skull.*"}},
+    [OWN_HEAD] = {"head", 4, {"skull.*", "hair.*", "ear.*", "hat.*"}},
 };
 
 const own_part *own_part_of(own_region region)

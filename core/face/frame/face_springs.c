@@ -97,7 +97,7 @@ void face_springs_create(face *f)
 
 void face_springs_rest(face *f)
 {
-    f->springs.has_time = false;
+    f->springs.has_time = f->springs.has_before = false;
     for (uint32_t i = 0; i < f->springs.count; ++i) {
         face_spring *s = &f->springs.of[i];
         s->has_place = false;
@@ -114,6 +114,19 @@ void face_set_springs(face *f, double share)
 void face_shift_time(face *f, int64_t by_ns)
 {
     f->springs.time_ns = (int64_t)((uint64_t)f->springs.time_ns + (uint64_t)by_ns);
+    f->springs.before_ns = (int64_t)((uint64_t)f->springs.before_ns + (uint64_t)by_ns);
+}
+
+bool face_has_springs(const face *f)
+{
+    return f->springs.count > 0 && f->springs.share > 0.0;
+}
+
+void face_copy_swing(face *f, const face *from)
+{
+    const double share = f->springs.share;
+    f->springs = from->springs;
+    f->springs.share = share;
 }
 
 /* ---- one part ---- */
@@ -348,6 +361,25 @@ static bool pose_parts(face *f)
     return is_moved;
 }
 
+void face_swing_begin(face *f, int64_t time_ns)
+{
+    face_springs *all = &f->springs;
+    if (!all->has_before || all->time_ns != time_ns)
+        return;
+    memcpy(all->of, all->before, all->count * sizeof *all->of);
+    all->has_time = all->had_time;
+    all->time_ns = all->before_ns;
+    all->has_before = false;
+}
+
+static void keep_before(face_springs *all)
+{
+    memcpy(all->before, all->of, all->count * sizeof *all->of);
+    all->had_time = all->has_time;
+    all->before_ns = all->time_ns;
+    all->has_before = true;
+}
+
 bool face_swing(face *f, int64_t time_ns)
 {
     face_springs *all = &f->springs;
@@ -356,8 +388,10 @@ bool face_swing(face *f, int64_t time_ns)
         return false;
     const int64_t since_ns = (int64_t)((uint64_t)time_ns - (uint64_t)all->time_ns);
     const double dt_s = all->has_time ? clamped((double)since_ns * 1e-9, 0.0, step_most_s) : 0.0;
-    if (!all->has_time || since_ns > 0)
+    if (!all->has_time || since_ns > 0) {
+        keep_before(all);
         all->time_ns = time_ns;
+    }
     all->has_time = true;
     bones_limit(limited, &f->bones, f->dof);
     for (uint32_t i = 0; i < all->count; ++i) {
@@ -388,16 +422,10 @@ bool face_dof_swings(const face *f, uint32_t dof)
 
 /* ---- stored state ---- */
 
-void face_springs_write(bytes_out *out, const face *f)
+static void write_parts(bytes_out *out, const face_spring *of, uint32_t count)
 {
-    const face_springs *all = &f->springs;
-    if (all->count == 0)
-        return;
-    bytes_write_u32(out, all->count);
-    bytes_write_u32(out, all->has_time);
-    bytes_write(out, &all->time_ns, sizeof all->time_ns);
-    for (uint32_t i = 0; i < all->count; ++i) {
-        const face_spring *s = &all->of[i];
+    for (uint32_t i = 0; i < count; ++i) {
+        const face_spring *s = &of[i];
         bytes_write_u32(out, s->has_place);
         bytes_write_vec3(out, s->tip);
         bytes_write_vec3(out, s->position);
@@ -409,22 +437,32 @@ void face_springs_write(bytes_out *out, const face *f)
     }
 }
 
+void face_springs_write(bytes_out *out, const face *f)
+{
+    const face_springs *all = &f->springs;
+    if (all->count == 0)
+        return;
+    bytes_write_u32(out, all->count);
+    bytes_write_u32(out, all->has_time);
+    bytes_write(out, &all->time_ns, sizeof all->time_ns);
+    write_parts(out, all->of, all->count);
+    bytes_write_u32(out, all->has_before);
+    bytes_write_u32(out, all->had_time);
+    bytes_write(out, &all->before_ns, sizeof all->before_ns);
+    if (all->has_before)
+        write_parts(out, all->before, all->count);
+}
+
 static bool is_near(vec3 at, double most)
 {
     return fabs(at.x) <= most && fabs(at.y) <= most && fabs(at.z) <= most;
 }
 
-void face_springs_read(bytes_in *in, face *f)
+static void read_parts(bytes_in *in, face_spring *of, uint32_t count)
 {
-    face_springs *all = &f->springs;
     const double reach = (double)POINTS_REACH;
-    if (all->count == 0)
-        return;
-    in->failed |= bytes_read_u32(in) != all->count;
-    all->has_time = bytes_read_u32(in) != 0;
-    bytes_read(in, &all->time_ns, sizeof all->time_ns);
-    for (uint32_t i = 0; i < all->count && !in->failed; ++i) {
-        face_spring *s = &all->of[i];
+    for (uint32_t i = 0; i < count && !in->failed; ++i) {
+        face_spring *s = &of[i];
         s->has_place = bytes_read_u32(in) != 0;
         s->tip = bytes_read_vec3(in);
         s->position = bytes_read_vec3(in);
@@ -437,6 +475,23 @@ void face_springs_read(bytes_in *in, face *f)
             in->failed |= !is_near(s->way[k], reach) || !(fabs(s->swing_rad[k]) <= ANGLE_PI);
         }
     }
+}
+
+void face_springs_read(bytes_in *in, face *f)
+{
+    face_springs *all = &f->springs;
+    if (all->count == 0)
+        return;
+    in->failed |= bytes_read_u32(in) != all->count;
+    all->has_time = bytes_read_u32(in) != 0;
+    bytes_read(in, &all->time_ns, sizeof all->time_ns);
+    read_parts(in, all->of, all->count);
+    all->has_before = bytes_read_u32(in) != 0;
+    all->had_time = bytes_read_u32(in) != 0;
+    bytes_read(in, &all->before_ns, sizeof all->before_ns);
+    memcpy(all->before, all->of, all->count * sizeof *all->of); /* which bones and turns */
+    if (all->has_before)
+        read_parts(in, all->before, all->count);
     if (in->failed)
         face_springs_rest(f);
 }

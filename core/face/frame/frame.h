@@ -215,6 +215,10 @@ typedef struct face_springs {
     double share;               /* 0..1, of the swing */
     bool has_time;
     int64_t time_ns; /* of the last step */
+    /* The same before the steps of time_ns, which a further step of that time takes back. */
+    bool has_before, had_time;
+    int64_t before_ns;
+    face_spring before[RIG_BONES_MAX];
 } face_springs;
 
 struct face {

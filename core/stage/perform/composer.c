@@ -1233,6 +1233,11 @@ void composer_move(composer *self, const composer_part *part, uint32_t count, do
     end_step(self);
 }
 
+void composer_swing_begin(composer *self, int64_t time_ns)
+{
+    face_swing_begin(self->face, time_ns);
+}
+
 void composer_swing(composer *self, int64_t time_ns)
 {
     self->stale |= face_swing(self->face, time_ns);

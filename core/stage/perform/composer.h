@@ -61,7 +61,9 @@ typedef struct composer_part {
 /* Phase 8: performs one step with all parts that pull. Joins at most MRT_MAX_VECTORS vectors; skips
  * and counts the others. dt_s: time since the previous step, for leaks. */
 void composer_move(composer *self, const composer_part *part, uint32_t count, double dt_s);
-/* The end of phase 8: loose parts swing up to this time (face_swing), in the clock of the steps. */
+/* The begin and the end of phase 8: loose parts swing up to this time (face_swing_begin,
+ * face_swing), in the clock of the steps. */
+void composer_swing_begin(composer *self, int64_t time_ns);
 void composer_swing(composer *self, int64_t time_ns);
 /* Moves the time of the last step to another clock. Call after composer_load of a state from it. */
 void composer_shift_time(composer *self, int64_t by_ns);

@@ -123,6 +123,7 @@ static void move_face(stage_frame *f, uint32_t fresh, double dt_s, int64_t *at_n
     end_phase(f, FRAME_COMPOSE, at_ns);
 
     /* 8. Solve: all parts are joined in one engagement, or drag the shape one after the other. */
+    composer_swing_begin(p->composer, f->step.due_ns);
     composer_move(p->composer, parts.part, parts.count, dt_s);
     composer_swing(p->composer, f->step.due_ns);
     end_phase(f, FRAME_SOLVE, at_ns);

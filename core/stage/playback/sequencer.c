@@ -296,6 +296,30 @@ static mrt_result begin_with_its_shape(sequencer *self, int64_t show_ns, error *
     return result;
 }
 
+/* What the parts of a performance that have layers of their own moved before the take also swings
+ * loose parts. So the swing at the start is that of the whole performance. */
+static mrt_result begin_with_its_swing(sequencer *self, const take_clip *clip, int64_t show_ns,
+                                       error *err)
+{
+    face *shown = composer_face(self->performer->composer);
+    take_clip whole = *clip;
+    replay *all;
+    whole.part = TAKE_WHOLE;
+    if (clip->part != TAKE_HANDS || !face_has_springs(shown))
+        return MRT_OK;
+    mrt_result result = open_replay(self, &whole, &all, err);
+    if (result == MRT_HOLD)
+        return MRT_OK; /* not prepared: the swing of the hands is a good start, too */
+    if (result >= 0)
+        result = replay_seek(all, show_ns, err);
+    if (result >= 0) {
+        face_copy_swing(shown, composer_face(self->scratch->composer));
+        composer_shift_time(self->performer->composer, -show_ns);
+    }
+    replay_close(all);
+    return result;
+}
+
 static mrt_result start_play(sequencer *self, uint32_t lane, const take_clip *clip,
                              int64_t source_ns, error *err)
 {
@@ -323,6 +347,8 @@ static mrt_result start_play(sequencer *self, uint32_t lane, const take_clip *cl
         result = replay_seek(p->replay, show_ns, err);
     if (result >= 0 && begins_with_its_shape(self, p))
         result = begin_with_its_shape(self, show_ns, err);
+    if (result >= 0 && begins_with_its_shape(self, p))
+        result = begin_with_its_swing(self, clip, show_ns, err);
     if (result < 0)
         return result;
     cast_play(self, p);
