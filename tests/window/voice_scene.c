@@ -342,9 +342,14 @@ static void a_late_mouth_is_found_and_moved_by_one_edit(void **state)
     scene_do(&s, ACTION_UNDO);
     assert_true(app_take(s.app)->layer[0].offset_ns == later.offset_ns);
 
-    /* A take that changes, or is closed with its show, while it is measured. */
+    /* Cancelled. A take that changes, or is closed with its show, while it is measured. */
     assert_int_equal(app_sync_begin(s.app, 0, app_take(s.app)->duration_ns), MRT_OK);
     assert_true(app_sync_begin(s.app, 0, app_take(s.app)->duration_ns) < 0);
+    app_sync_cancel(s.app);
+    assert_true(scene_until(&s, has_measured, NULL));
+    assert_null(app_sync_of(s.app));
+    assert_non_null(strstr(app_sync_result(s.app), "Cancelled"));
+    assert_int_equal(app_sync_begin(s.app, 0, app_take(s.app)->duration_ns), MRT_OK);
     edit_init(&later, EDIT_AUDIO_DETACH);
     assert_int_equal(app_edit(s.app, &later), MRT_OK);
     assert_true(scene_until(&s, has_measured, NULL));

@@ -157,7 +157,7 @@ double app_sync_part(const app *self)
 
 void app_sync_cancel(app *self)
 {
-    if (self->sync.job)
+    if (is_running(self))
         atomic_store(&self->sync.job->is_given_up, true);
 }
 
@@ -193,9 +193,15 @@ mrt_result app_sync_move(app *self)
     for (uint32_t i = 0; i < count && i < EDIT_LAYERS_MAX; ++i)
         list[i] = &made[i];
     (void)snprintf(words, sizeof words, "move the mouth by %+.0f ms", -1e-6 * (double)late_ns);
-    mrt_result result = count > EDIT_LAYERS_MAX
-                            ? error_set(&err, MRT_ERR_ARGUMENT, "the take has too many layers")
-                            : app_edit_all_as(self, list, count, words);
+    mrt_result result = MRT_OK;
+    if (count == 0 || count > EDIT_LAYERS_MAX)
+        result = app_report(self,
+                            error_set(&err, MRT_ERR_ARGUMENT,
+                                      "The mouth was not moved: %s layers of the take own the jaw",
+                                      count == 0 ? "no" : "too many"),
+                            &err);
+    else
+        result = app_edit_all_as(self, list, count, words);
     if (result < 0)
         return result;
     job->found.moved_ns = -late_ns;
@@ -236,7 +242,7 @@ void app_follow_sync(app *self)
     }
     if (!is_still_that)
         put_line(self, "The take has changed since. Measure it again");
-    else if (job->result == MRT_END)
+    else if (job->result == MRT_END || atomic_load(&job->is_given_up))
         put_line(self, "Cancelled. The take is unchanged");
     else if (job->result < 0) {
         const error why = job->err;
