@@ -137,11 +137,20 @@ static void draw_scale(ui *on, const app_sync_found *found)
 
 static void draw_found(panel *self, ui *on, const app_sync_found *found)
 {
+    char words[96];
     draw_curves(self, on, found);
     ui_space(on, 8.0f);
     ui_text_wrapped(on, UI_STYLE_STRONG, app_sync_result(self->app));
-    draw_scale(on, found);
-    ui_text_wrapped(on, UI_STYLE_DIM, "In the green band, people do not notice it.");
+    (void)snprintf(words, sizeof words,
+                   "People do not notice what is in the green band. %.1f s were compared.",
+                   (double)found->curves->count / SYNC_RATE);
+    if (found->offset.is_clear)
+        draw_scale(on, found);
+    ui_text_wrapped(
+        on, UI_STYLE_DIM,
+        found->offset.is_clear
+            ? words
+            : "Choose a range on the timeline in which the mouth speaks with the sound.");
     ui_space(on, 8.0f);
 }
 
