@@ -126,6 +126,43 @@ const char *app_speech_result(const app *self)
     return "";
 }
 
+mrt_result app_sync_begin(app *self, int64_t from_ns, int64_t to_ns)
+{
+    (void)self;
+    (void)from_ns;
+    (void)to_ns;
+    return MRT_OK;
+}
+
+double app_sync_part(const app *self)
+{
+    (void)self;
+    return -1.0;
+}
+
+void app_sync_cancel(app *self)
+{
+    (void)self;
+}
+
+const char *app_sync_result(const app *self)
+{
+    (void)self;
+    return "";
+}
+
+const app_sync_found *app_sync_of(const app *self)
+{
+    (void)self;
+    return NULL;
+}
+
+mrt_result app_sync_move(app *self)
+{
+    (void)self;
+    return MRT_OK;
+}
+
 void app_add_change(app *self, const undo_change *step)
 {
     (void)self;

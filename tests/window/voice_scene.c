@@ -1,4 +1,5 @@
-/* The voice of a take in the window: read beside all else, laid, trimmed and taken away. */
+/* The voice of a take in the window: read beside all else, laid, trimmed and taken away;
+ * what its mouth is, and how late. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -61,7 +62,7 @@ static mrt_result open_file(scene *s, const char *name)
     return open_any(s->app, path);
 }
 
-static void open_with_a_take(scene *s)
+static void open_with_a_take_until(scene *s, scene_condition *is_long)
 {
     static char hand[512];
     static const char *const inputs[] = {hand};
@@ -70,9 +71,14 @@ static void open_with_a_take(scene *s)
         .width_px = 1280, .height_px = 720, .scale = 1.0f, .inputs = inputs, .input_count = 1};
     scene_open_with(s, &options);
     scene_do(s, ACTION_RECORD);
-    assert_true(scene_until(s, has_recorded, NULL));
+    assert_true(scene_until(s, is_long, NULL));
     scene_do(s, ACTION_RECORD);
     assert_true(scene_until(s, has_take, NULL));
+}
+
+static void open_with_a_take(scene *s)
+{
+    open_with_a_take_until(s, has_recorded);
 }
 
 static const take_audio *voice(scene *s)
@@ -251,6 +257,136 @@ static void a_tone_is_no_voice(void **state)
     scene_close(&s);
 }
 
+static bool has_measured(scene *s, void *data)
+{
+    (void)data;
+    return app_sync_part(s->app) < 0.0;
+}
+
+static void open_sync(scene *s, const char *name, double at_s)
+{
+    scene_click_with(s, across(s, at_s), scene_word(s, name)->where.y + 18.0f, 1);
+    scene_click_word(s, "Sync of mouth and sound \u2026");
+    assert_true(scene_until(s, has_measured, NULL));
+    scene_frames(s, 3);
+}
+
+static bool is_long_enough(scene *s, void *data)
+{
+    (void)data;
+    return app_status(s->app)->recorded_ns > 5 * NS_PER_S;
+}
+
+/* A mouth that was made from its voice is shifted: the dialog finds that, and moves it back. */
+static void a_late_mouth_is_found_and_moved_by_one_edit(void **state)
+{
+    (void)state;
+    scene s;
+    edit later;
+    char path[512], name[] = "demo.ogg";
+    open_with_a_take_until(&s, is_long_enough);
+    (void)snprintf(path, sizeof path, "%s/plugins/log/%s", SOURCE_DIR, name);
+    assert_int_equal(open_any(s.app, path), MRT_OK);
+    assert_true(scene_until(&s, has_read, NULL));
+    assert_true(scene_until(&s, has_wave, name));
+    edit_init(&later, EDIT_AUDIO_OFFSET);
+    later.offset_ns = -2 * NS_PER_S;
+    assert_int_equal(app_edit(s.app, &later), MRT_OK);
+    const app_speech_wish wish = {"", 1.0, 1.0};
+    assert_int_equal(app_speech_begin(s.app, &wish), MRT_OK);
+    assert_true(scene_until(&s, has_spoken, NULL));
+    const take_layer *mouth = &app_take(s.app)->layer[0];
+    assert_string_equal(mouth->name, "voice mouth");
+    for (uint32_t i = app_take(s.app)->layer_count - 1; i > 0; --i) { /* the hands */
+        edit_init(&later, EDIT_LAYER_REMOVE);
+        later.layer = app_take(s.app)->layer[i].id;
+        assert_int_equal(app_edit(s.app, &later), MRT_OK);
+    }
+    scene_frames(&s, 30);
+    open_sync(&s, name, 0.5);
+    assert_non_null(app_sync_of(s.app));
+    const int64_t own_ns = app_sync_of(s.app)->offset.late_ns; /* as it was made */
+    scene_click_word(&s, "Close");
+
+    edit_init(&later, EDIT_LAYER_OFFSET);
+    later.layer = app_take(s.app)->layer[0].id;
+    later.offset_ns = 150 * NS_PER_MS;
+    assert_int_equal(app_edit(s.app, &later), MRT_OK);
+    scene_frames(&s, 3);
+    assert_null(app_sync_of(s.app)); /* of the take before the edit */
+    open_sync(&s, name, 0.5);
+    const sync_offset found = app_sync_of(s.app)->offset;
+    char words[64];
+    assert_true(found.is_clear);
+    assert_true(llabs(found.late_ns - own_ns - later.offset_ns) < 15 * NS_PER_MS);
+    (void)snprintf(words, sizeof words, "The mouth is %.0f ms late", 1e-6 * (double)found.late_ns);
+    assert_non_null(scene_word(&s, words));
+    scene_look(&s, "voice_sync");
+    scene_check_words(&s);
+    (void)snprintf(words, sizeof words, "Move the mouth by %+.0f ms",
+                   -1e-6 * (double)found.late_ns);
+    scene_click_word(&s, words);
+    scene_frames(&s, 3);
+    assert_true(app_take(s.app)->layer[0].offset_ns == later.offset_ns - found.late_ns);
+    assert_non_null(scene_word_with(&s, "The mouth was moved by"));
+    assert_null(scene_word(&s, words)); /* once */
+    assert_non_null(strstr(app_undo_words(s.app), "move the mouth by"));
+    scene_look(&s, "voice_sync_moved");
+    scene_check_words(&s);
+    scene_click_word(&s, "Measure again");
+    assert_true(scene_until(&s, has_measured, NULL));
+    assert_true(app_sync_of(s.app)->offset.is_clear);
+    assert_true(llabs(app_sync_of(s.app)->offset.late_ns) < 15 * NS_PER_MS);
+    scene_frames(&s, 3);
+    scene_click_word(&s, "Close");
+    scene_do(&s, ACTION_UNDO);
+    assert_true(app_take(s.app)->layer[0].offset_ns == later.offset_ns);
+
+    /* Cancelled. A take that changes, or is closed with its show, while it is measured. */
+    assert_int_equal(app_sync_begin(s.app, 0, app_take(s.app)->duration_ns), MRT_OK);
+    assert_true(app_sync_begin(s.app, 0, app_take(s.app)->duration_ns) < 0);
+    app_sync_cancel(s.app);
+    assert_true(scene_until(&s, has_measured, NULL));
+    assert_null(app_sync_of(s.app));
+    assert_non_null(strstr(app_sync_result(s.app), "Cancelled"));
+    assert_int_equal(app_sync_begin(s.app, 0, app_take(s.app)->duration_ns), MRT_OK);
+    edit_init(&later, EDIT_AUDIO_DETACH);
+    assert_int_equal(app_edit(s.app, &later), MRT_OK);
+    assert_true(scene_until(&s, has_measured, NULL));
+    assert_null(app_sync_of(s.app));
+    assert_non_null(strstr(app_sync_result(s.app), "The take has changed"));
+    assert_int_equal(app_sync_begin(s.app, 0, app_take(s.app)->duration_ns), MRT_OK);
+    assert_true(scene_until(&s, has_measured, NULL));
+    assert_non_null(strstr(app_sync_result(s.app), "The take has no sound"));
+    assert_int_equal(app_sync_begin(s.app, 0, app_take(s.app)->duration_ns), MRT_OK);
+    (void)snprintf(path, sizeof path, "%s/other.marotte", s.folder);
+    assert_int_equal(app_open_show(s.app, path), MRT_OK);
+    assert_true(app_sync_part(s.app) < 0.0);
+    assert_string_equal(app_sync_result(s.app), "");
+    scene_close(&s);
+}
+
+/* A sound or a take that cannot be compared is refused by one sentence, and nothing is offered. */
+static void what_cannot_be_compared_is_said_in_the_dialog(void **state)
+{
+    (void)state;
+    scene s;
+    char name[] = "line.au";
+    open_with_a_take(&s);
+    write_sound(&s, name, 1);
+    assert_int_equal(open_file(&s, name), MRT_OK);
+    assert_true(scene_until(&s, has_read, NULL));
+    assert_true(scene_until(&s, has_wave, name));
+    scene_frames(&s, 30);
+    open_sync(&s, name, 0.5);
+    assert_non_null(scene_word_with(&s, "The span is too short"));
+    assert_null(scene_word_with(&s, "Move the mouth by"));
+    scene_look(&s, "voice_sync_refused");
+    scene_check_words(&s);
+    scene_click_word(&s, "Close");
+    scene_close(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -258,6 +394,8 @@ int main(void)
         cmocka_unit_test(what_is_read_is_given_up_with_its_show_and_one_at_a_time),
         cmocka_unit_test(a_voice_moves_the_mouth_by_one_edit),
         cmocka_unit_test(a_tone_is_no_voice),
+        cmocka_unit_test(a_late_mouth_is_found_and_moved_by_one_edit),
+        cmocka_unit_test(what_cannot_be_compared_is_said_in_the_dialog),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

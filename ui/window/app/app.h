@@ -5,6 +5,7 @@
 #ifndef MAROTTE_UI_WINDOW_APP_APP_H
 #define MAROTTE_UI_WINDOW_APP_APP_H
 #include "stage/live/live.h"
+#include "stage/playback/sync.h"
 #include "show/history.h"
 #include "draw/scenery.h"
 #include "window/app/key_map.h"
@@ -312,6 +313,25 @@ double app_speech_part(const app *self); /* 0..1: progress; < 0: none runs */
 void app_speech_cancel(app *self);       /* it ends within seconds */
 /* The line about the last one; "": none yet. Valid until the next frame. */
 const char *app_speech_result(const app *self);
+
+/* ---- app_sync.c: how late the mouth of the chosen take is (stage/playback/sync.h) ---- */
+
+typedef struct app_sync_found {
+    const sync_curves *curves; /* as they were measured */
+    sync_offset offset;
+    int64_t moved_ns; /* by app_sync_move; 0: not yet */
+} app_sync_found;
+/* Measures from_ns..to_ns of the timeline in the background, one at a time. A failure is the
+ * result. If the take changes, what was found is dropped. */
+CHECKED mrt_result app_sync_begin(app *self, int64_t from_ns, int64_t to_ns);
+double app_sync_part(const app *self); /* 0..1: progress; < 0: none runs */
+void app_sync_cancel(app *self);       /* it ends within seconds */
+/* What was found; NULL: nothing. Valid until the next frame. */
+const app_sync_found *app_sync_of(const app *self);
+/* The line about it, or why nothing was found; "": none yet. Valid until the next frame. */
+const char *app_sync_result(const app *self);
+/* Moves the mouth by what was found, once, as one undo step. */
+CHECKED mrt_result app_sync_move(app *self);
 
 /* ---- exports ---- */
 

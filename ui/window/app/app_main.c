@@ -365,6 +365,7 @@ mrt_result app_destroy(app *self)
     app_drop_copy(self);
     app_drop_audio(self);
     app_drop_speech(self);
+    app_drop_sync(self);
     exporter_destroy(self->exports);
     app_record_finish_over(self);
     app_drop_take(self);
@@ -490,6 +491,7 @@ void app_update(app *self, double dt_s)
     app_follow_copy(self);
     app_follow_audio(self);
     app_follow_speech(self);
+    app_follow_sync(self);
     app_chase(self);
     news_list_update(self->news, self->log, dt_s);
     if (self->saving.is_on)

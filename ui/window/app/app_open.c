@@ -309,6 +309,7 @@ mrt_result app_open_show(app *self, const char *path)
         return app_report(self, result, &err);
     app_drop_audio(self);
     app_drop_speech(self);
+    app_drop_sync(self);
     app_record_finish_over(self);
     app_drop_take(self);
     app_forget_takes(self);

@@ -87,6 +87,12 @@ typedef struct app_speech {
     char result[600];      /* about the last one */
 } app_speech;
 
+/* The mouth of a take, measured against its sound. */
+typedef struct app_sync {
+    struct sync_job *job; /* that runs, or has found something; NULL: none */
+    char result[600];     /* about the last one */
+} app_sync;
+
 /* Time code that comes in and moves the take. */
 typedef struct app_chasing {
     bool is_on;
@@ -142,6 +148,7 @@ struct app {
     app_pulls pulls;
     app_audio audio;
     app_speech speech;
+    app_sync sync;
 
     kept_scenery *scenery;
     app_picture picture;
@@ -203,7 +210,16 @@ void app_drop_audio(app *self);   /* cancels reading it */
 void app_follow_speech(app *self); /* once a frame: adds a mouth that was found */
 void app_drop_speech(app *self);   /* cancels and waits for it */
 
+/* ---- app_sync.c ---- */
+
+void app_follow_sync(app *self); /* once a frame: what was found, unless the take has changed */
+void app_drop_sync(app *self);   /* cancels and waits for it */
+
 /* ---- app_takes.c ---- */
+
+/* app_edit_all; the undo step has these words. NULL: those of the last edit. */
+CHECKED mrt_result app_edit_all_as(app *self, const edit *const *e, uint32_t count,
+                                   const char *words);
 
 void app_takes_update(app *self, double dt_s);
 CHECKED mrt_result app_pick_take(app *self, int64_t id); /* in the list alone */

@@ -331,8 +331,6 @@ static void tell_kept(app *self, int64_t id)
                 line->title);
 }
 
-static mrt_result edit_all(app *self, const edit *const *e, uint32_t count, const char *words);
-
 /* Adds the marks that were set during the take as its markers, in one undo step. */
 static void add_marks(app *self, int64_t id)
 {
@@ -359,7 +357,7 @@ static void add_marks(app *self, int64_t id)
                 list[marks++] = e;
             }
         if (marks > 0)
-            app_reported(edit_all(self, list, marks, NULL));
+            app_reported(app_edit_all(self, list, marks));
         for (uint32_t i = 0; i < marks; ++i)
             edit_finish(&edits[i]);
         free(list);
@@ -731,8 +729,8 @@ static mrt_result check_editable(const app *self, error *err)
     return MRT_OK;
 }
 
-/* Makes all edits or none, as one undo step. `words` NULL: those of the last edit. */
-static mrt_result edit_all(app *self, const edit *const *e, uint32_t count, const char *words)
+/* Makes all edits or none. */
+mrt_result app_edit_all_as(app *self, const edit *const *e, uint32_t count, const char *words)
 {
     error err = {0}, ignored = {0};
     mrt_result result = check_editable(self, &err);
@@ -751,7 +749,7 @@ static mrt_result edit_all(app *self, const edit *const *e, uint32_t count, cons
 
 mrt_result app_edit_all(app *self, const edit *const *e, uint32_t count)
 {
-    return edit_all(self, e, count, NULL);
+    return app_edit_all_as(self, e, count, NULL);
 }
 
 mrt_result app_edit(app *self, const edit *e)
@@ -1006,7 +1004,7 @@ static void take_over(app *self)
     if (!list)
         app_say(self, MRT_LOG_ERROR, "no memory: the performance was saved as a separate take");
     else if (app_pick_take(self, over) >= 0)
-        app_reported(edit_all(self, list, count, "record over the take"));
+        app_reported(app_edit_all_as(self, list, count, "record over the take"));
     for (uint32_t i = 0; i < count; ++i)
         edit_finish(&edits[i]);
     free(edits);

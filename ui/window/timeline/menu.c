@@ -142,6 +142,8 @@ static void sound_menu(panel *self, ui *on, const take_audio *audio)
     edit e;
     if (ui_menu_item(on, "Mouth from this voice \u2026", "", audio->audio != 0))
         ask_mouth(self, on);
+    if (ui_menu_item(on, "Sync of mouth and sound \u2026", "", audio->audio != 0))
+        timeline_ask_sync(self, on);
     if (ui_menu_item(on, "Align with the take start", "", true)) {
         edit_init(&e, EDIT_AUDIO_OFFSET);
         e.offset_ns = 0;
@@ -469,6 +471,7 @@ static void mouth_dialog(panel *self, ui *on)
 void timeline_dialogs(panel *self, ui *on)
 {
     mouth_dialog(self, on);
+    timeline_sync_dialog(self, on);
     layer_dialog(self, on);
     clip_dialog(self, on);
     marker_dialog(self, on);

@@ -1,7 +1,8 @@
 /* window/timeline/timeline.h - the state of the timeline panel, shared by its files. timeline.c:
  * the panel. paint.c: drawing of a take. journal.c: the journal that is shown while no take is
- * selected. mouse.c: gestures. menu.c: menus and dialogs. strip.c: the transport. take_list.c: the
- * list of takes. No other folder includes this header. [main] */
+ * selected. mouse.c: gestures. menu.c: menus and dialogs. sync_dialog.c: a dialog of its own.
+ * strip.c: the transport. take_list.c: the list of takes. No other folder includes this header.
+ * [main] */
 #ifndef MAROTTE_UI_WINDOW_TIMELINE_TIMELINE_H
 #define MAROTTE_UI_WINDOW_TIMELINE_TIMELINE_H
 #include "window/panels/panels.h"
@@ -225,6 +226,10 @@ void timeline_ask_layer(panel *self, ui *on, uint32_t id); /* 0: new layer */
 void timeline_ask_clip(panel *self, ui *on, uint32_t id);
 void timeline_ask_marker(panel *self, ui *on, int32_t marker);
 void timeline_dialogs(panel *self, ui *on);
+
+/* sync_dialog.c */
+void timeline_ask_sync(panel *self, ui *on); /* of the chosen take */
+void timeline_sync_dialog(panel *self, ui *on);
 
 /* journal.c */
 uint64_t timeline_journal_input(live *stage, uint32_t index); /* for timeline_journal_note */
