@@ -368,10 +368,9 @@ static void fit(const examples *from, const examples *held)
     }
 }
 
-static void print(const char *name, const char *rows, int row_count, const char *size, int count,
-                  const float *of)
+static void print(const char *name, int row_count, int count, const float *of)
 {
-    printf("static const int16_t %s[%s][%s + 1] = {\n", name, rows, size);
+    printf("static const int16_t %s[%d][%d] = {\n", name, row_count, count);
     for (int r = 0; r < row_count; ++r) {
         printf("{");
         for (int i = 0; i < count; ++i)
@@ -407,11 +406,10 @@ int main(int argc, char **argv)
          " * last of each row is added. Written by tests/bench/voice_fit. Only for hearing.c. */\n"
          "#ifndef MAROTTE_STAGE_VOICE_HEARING_WEIGHTS_H\n"
          "#define MAROTTE_STAGE_VOICE_HEARING_WEIGHTS_H\n"
-         "#include \"stage/voice/hearing.h\"\n\n"
+         "#include <stdint.h>\n\n"
          "#define HEARING_WEIGHT_UNIT 256.0f\n");
-    print("hearing_first", "HEARING_HIDDEN", HEARING_HIDDEN, "HEARING_INPUTS", INS, weight);
-    print("hearing_second", "HEARING_GROUPS", HEARING_GROUPS, "HEARING_HIDDEN", MIDS,
-          weight + FIRST);
+    print("hearing_first", HEARING_HIDDEN, INS, weight);
+    print("hearing_second", HEARING_GROUPS, MIDS, weight + FIRST);
     puts("\n#endif");
     return 0;
 }

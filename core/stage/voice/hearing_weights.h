@@ -2,11 +2,11 @@
  * last of each row is added. Written by tests/bench/voice_fit. Only for hearing.c. */
 #ifndef MAROTTE_STAGE_VOICE_HEARING_WEIGHTS_H
 #define MAROTTE_STAGE_VOICE_HEARING_WEIGHTS_H
-#include "stage/voice/hearing.h"
+#include <stdint.h>
 
 #define HEARING_WEIGHT_UNIT 256.0f
 
-static const int16_t hearing_first[HEARING_HIDDEN][HEARING_INPUTS + 1] = {
+static const int16_t hearing_first[56][211] = {
     {24,   32,  -66, -16, 30,  23,  -30, 46,  -25, -16, 59,   36,  38,   -9,  12,   12,  -47,  62,
      25,   33,  -12, 28,  10,  -36, 8,   -28, 35,  44,  66,   40,  -84,  95,  102,  47,  4,    -31,
      -27,  -7,  80,  -41, 0,   24,  144, 175, 51,  169, 161,  89,  6,    10,  33,   26,  105,  45,
@@ -701,7 +701,7 @@ static const int16_t hearing_first[HEARING_HIDDEN][HEARING_INPUTS + 1] = {
      6,   28,  18,  -3,  -28, -10, 25,  -21,  21,  -2,  -9,  4,    -39,  18,  4,    -14,  18,   2,
      12,  -35, 16,  -9,  -9,  10,  -14, -16,  -28, 27,  12,  16,   383},
 };
-static const int16_t hearing_second[HEARING_GROUPS][HEARING_HIDDEN + 1] = {
+static const int16_t hearing_second[16][57] = {
     {-475, -247, -53,  -19,  -56,  292,  80,  576,  -145, 136,  182, 151,  146,  123,  89,
      -55,  156,  278,  204,  -132, -163, 486, 218,  -138, -116, 105, -228, -120, 431,  185,
      26,   -12,  -232, -298, 119,  91,   102, -72,  59,   426,  105, -55,  126,  -162, -315,
