@@ -101,8 +101,8 @@ for s in "${!sentences[@]}"; do
     done
 done
 run words 74 92
-run free 58 15
-MAROTTE_SPEECH_MODEL=/nowhere run coarse 30 5
+run free 78 88
+MAROTTE_SPEECH_MODEL=/nowhere run coarse 80 88
 text="${sentences[*]} ${sentences[*]} ${sentences[*]}"
 "$truth" en-us "$text" minute.wav minute.csv || fail "voice_phonemes"
 minute words --words "$text"

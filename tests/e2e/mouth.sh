@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # take mouth: a voice moves the mouth of a take, as a layer that is edited, undone, exported and replayed
 # bit for bit, and of a take that has only a voice; what is no voice is refused. Without pocketsphinx the
-# mouth follows loudness alone, so this needs no package.
+# mouth follows the spectrum alone, so this needs no package.
 source "$(dirname "$0")/lib.sh"
 cd "$scratch" || exit 1
 voice=$SOURCE_DIR/plugins/log/demo.ogg

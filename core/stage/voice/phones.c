@@ -1,4 +1,5 @@
 #include "stage/voice/phones.h"
+#include "stage/voice/hearing.h"
 #include "stage/voice/recogniser.h"
 
 #include <math.h>
@@ -8,79 +9,64 @@
 
 /* ---- the whole voice, in frames of 10 ms ---- */
 
-enum { BANDS = 5, FRAME = PHONES_RATE_HZ / 100, BLOCK = PHONES_RATE_HZ };
+enum { FRAME = HEARING_HOP, BLOCK = PHONES_RATE_HZ, MARGIN = (HEARING_WINDOW - HEARING_HOP) / 2 };
 static const double frame_s = 0.01;
-
-typedef struct voice_frame {
-    float level_db, share[BANDS]; /* of the loudness: below 0.5, 1, 2, 3.5 kHz and above */
-} voice_frame;
 
 typedef struct analysis {
     const phones_source *from;
     const phones_settings *settings;
-    voice_frame *frame; /* owned */
+    float *level_db;      /* of each frame; owned */
+    hearing_frame *heard; /* owned */
     size_t frame_count;
     double speech_db; /* a frame below it has no speech */
-    recogniser *by;   /* NULL: coarse */
+    recogniser *by;   /* NULL: without words */
+    phone_list hints; /* what it heard without words; owned */
     word_list words;  /* count 0: not known */
     uint32_t next_word;
     phones_report *report;
 } analysis;
 
-/* Every second pole sharpens a low pass of one pole. */
-typedef struct low_pass {
-    double share, first, second;
-} low_pass;
-
-static double pass(low_pass *self, double value)
+static double level_db_of(const float *sound)
 {
-    self->first += self->share * (value - self->first);
-    self->second += self->share * (self->first - self->second);
-    return self->second;
+    double sum = 0.0;
+    for (int i = 0; i < FRAME; ++i)
+        sum += (double)sound[i] * (double)sound[i];
+    return 10.0 * log10(sum / FRAME + 1e-12);
 }
 
-static void measure(voice_frame *out, low_pass filter[BANDS - 1], const float *sound)
+/* A window of hearing begins MARGIN before its frame and ends MARGIN after it. */
+static mrt_result read_around(const analysis *self, size_t at, size_t count, float *out, error *err)
 {
-    double sum = 0.0, band[BANDS] = {0};
-    for (int i = 0; i < FRAME; ++i) {
-        const double value = (double)sound[i];
-        double below = 0.0;
-        for (int b = 0; b < BANDS; ++b) {
-            const double up_to = b < BANDS - 1 ? pass(&filter[b], value) : value;
-            band[b] += (up_to - below) * (up_to - below);
-            below = up_to;
-        }
-        sum += value * value;
-    }
-    double all = 1e-12;
-    for (int b = 0; b < BANDS; ++b)
-        all += band[b];
-    for (int b = 0; b < BANDS; ++b)
-        out->share[b] = (float)(band[b] / all);
-    out->level_db = (float)(10.0 * log10(sum / FRAME + 1e-12));
+    const int64_t first = (int64_t)(at * FRAME) - MARGIN;
+    const int64_t from = first < 0 ? 0 : first,
+                  wanted_end = first + (int64_t)count * FRAME + 2 * MARGIN;
+    const int64_t end = wanted_end < self->from->frame_count ? wanted_end : self->from->frame_count;
+    memset(out, 0, (count * FRAME + 2 * MARGIN) * sizeof *out);
+    return self->from->read(self->from->data, from, out + (from - first), (size_t)(end - from),
+                            err);
 }
 
 static mrt_result measure_all(analysis *self, error *err)
 {
-    static const double edge_hz[BANDS - 1] = {500.0, 1000.0, 2000.0, 3500.0};
-    low_pass filter[BANDS - 1] = {{0}};
-    for (int b = 0; b < BANDS - 1; ++b)
-        filter[b].share = 1.0 - exp(-6.283185307179586 * edge_hz[b] / PHONES_RATE_HZ);
-    float *block = malloc(BLOCK * sizeof *block);
+    float *block = malloc((BLOCK + 2 * MARGIN) * sizeof *block);
     self->frame_count = (size_t)(self->from->frame_count / FRAME);
-    self->frame = calloc(self->frame_count + 1, sizeof *self->frame);
+    self->level_db = calloc(self->frame_count + 1, sizeof *self->level_db);
+    self->heard = calloc(self->frame_count + 1, sizeof *self->heard);
     mrt_result result = MRT_OK;
-    if (!block || !self->frame)
+    if (!block || !self->level_db || !self->heard)
         result = error_set(err, MRT_ERR_MEMORY, "no memory for a voice of %.0f s",
                            (double)self->frame_count * frame_s);
     for (size_t at = 0; at < self->frame_count && result >= 0; at += BLOCK / FRAME) {
         size_t count = self->frame_count - at;
         count = count < BLOCK / FRAME ? count : BLOCK / FRAME;
-        result =
-            self->from->read(self->from->data, (int64_t)(at * FRAME), block, count * FRAME, err);
-        for (size_t i = 0; i < count && result >= 0; ++i)
-            measure(&self->frame[at + i], filter, block + i * FRAME);
+        result = read_around(self, at, count, block, err);
+        for (size_t i = 0; i < count && result >= 0; ++i) {
+            self->level_db[at + i] = (float)level_db_of(block + MARGIN + i * FRAME);
+            hearing_measure(&self->heard[at + i], block + i * FRAME);
+        }
     }
+    if (result >= 0)
+        hearing_level(self->heard, self->frame_count);
     free(block);
     return result;
 }
@@ -99,7 +85,7 @@ static mrt_result find_speech(analysis *self, error *err)
     if (!level)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the voice");
     for (size_t i = 0; i < self->frame_count; ++i)
-        level[i] = self->frame[i].level_db;
+        level[i] = self->level_db[i];
     qsort(level, self->frame_count, sizeof *level, compare_floats);
     const size_t count = self->frame_count;
     const double quiet = count ? (double)level[count / 20] : silent_db;
@@ -136,9 +122,9 @@ static size_t end_of_part(const analysis *self, size_t from)
     size_t best = most;
     double best_db = HUGE_VAL, sum = 0.0;
     for (size_t i = least - NEAR; i < most + NEAR && i < self->frame_count; ++i) {
-        sum += (double)self->frame[i].level_db;
+        sum += (double)self->level_db[i];
         if (i >= least + NEAR)
-            sum -= (double)self->frame[i - 2 * NEAR].level_db;
+            sum -= (double)self->level_db[i - 2 * NEAR];
         if (i >= least + NEAR && sum < best_db) {
             best_db = sum;
             best = i - NEAR;
@@ -151,60 +137,13 @@ static bool has_speech(const analysis *self, size_t from, size_t end)
 {
     size_t count = 0;
     for (size_t i = from; i < end; ++i)
-        count += (double)self->frame[i].level_db > self->speech_db;
+        count += (double)self->level_db[i] > self->speech_db;
     return count > 5;
 }
 
-/* ---- coarse sounds, from loudness and bands ---- */
+/* ---- sounds ---- */
 
-static phone_sound coarse_of(const analysis *self, const voice_frame *f)
-{
-    const double loud_db = (double)f->level_db - self->speech_db;
-    const float *s = f->share;
-    if (loud_db < 0.0)
-        return PHONE_REST;
-    if (s[4] + 0.5f * s[3] > 0.35f)
-        return PHONE_S;
-    if (s[0] > 0.85f)
-        return loud_db < 16.0 ? PHONE_M : PHONE_UW;
-    if (s[1] + s[2] > 0.38f)
-        return PHONE_AA;
-    if (s[3] > 0.04f && s[1] < 0.15f)
-        return PHONE_IY;
-    return s[2] < 0.06f ? PHONE_OW : PHONE_EH;
-}
-
-/* The commonest sound of the frames around one. */
-static phone_sound smooth_of(const phone_sound *sound, size_t at, size_t from, size_t end)
-{
-    uint32_t votes[PHONE_COUNT] = {0};
-    phone_sound best = sound[at - from];
-    for (size_t i = at >= from + 2 ? at - 2 : from; i < end && i <= at + 2; ++i)
-        if (++votes[sound[i - from]] > votes[best])
-            best = sound[i - from];
-    return best;
-}
-
-static mrt_result guess(analysis *self, size_t from, size_t end, phone_list *out, error *err)
-{
-    phone_sound *sound = calloc(end - from + 1, sizeof *sound);
-    mrt_result result = sound ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for the voice");
-    for (size_t i = from; sound && i < end; ++i)
-        sound[i - from] = coarse_of(self, &self->frame[i]);
-    size_t since = from;
-    for (size_t i = from + 1; i <= end && result >= 0; ++i) {
-        const phone_sound of = smooth_of(sound, since, from, end);
-        if (i < end && smooth_of(sound, i, from, end) == of)
-            continue;
-        result = phone_list_add(out, of, (double)since * frame_s, (double)i * frame_s, err);
-        since = i;
-    }
-    free(sound);
-    return result;
-}
-
-/* ---- sounds by recognition ---- */
-
+/* The sounds by the words that are known, else hints for hearing. */
 static mrt_result recognise(analysis *self, size_t from, size_t end, phone_list *out, error *err)
 {
     const size_t count = (end - from) * FRAME;
@@ -228,6 +167,14 @@ static mrt_result recognise(analysis *self, size_t from, size_t end, phone_list 
     return result;
 }
 
+static mrt_result hear(analysis *self, size_t from, size_t end, phone_list *out, error *err)
+{
+    const mrt_result result = self->by ? recognise(self, from, end, &self->hints, err) : MRT_OK;
+    return result < 0
+               ? result
+               : hearing_listen(out, self->heard, self->frame_count, from, end, &self->hints, err);
+}
+
 /* MRT_END: the words do not fit. */
 static mrt_result find_all(analysis *self, phone_list *out, error *err)
 {
@@ -239,9 +186,10 @@ static mrt_result find_all(analysis *self, phone_list *out, error *err)
         if (!has_speech(self, from, end))
             result =
                 phone_list_add(out, PHONE_REST, (double)from * frame_s, (double)end * frame_s, err);
+        else if (self->words.count > 0)
+            result = recognise(self, from, end, out, err);
         else
-            result =
-                self->by ? recognise(self, from, end, out, err) : guess(self, from, end, out, err);
+            result = hear(self, from, end, out, err);
         if (result != MRT_OK)
             return result;
         from = end;
@@ -300,7 +248,7 @@ static double level_of(const analysis *self, const phone *p)
     double level = -120.0;
     for (size_t i = (size_t)(p->start_s / frame_s);
          i < self->frame_count && (double)i * frame_s < p->end_s; ++i)
-        level = fmax(level, (double)self->frame[i].level_db);
+        level = fmax(level, (double)self->level_db[i]);
     return level;
 }
 
@@ -325,20 +273,25 @@ static mrt_result find_effort(const analysis *self, phone_list *list, error *err
     return MRT_OK;
 }
 
+static uint32_t count_sounds(const phone_list *list)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < list->count; ++i)
+        count += list->phone[i].sound != PHONE_REST;
+    return count;
+}
+
 /* A voice has vowels and other sounds in turn, a few each second. */
-static mrt_result check_voice(const phone_list *list, phones_report *report, error *err)
+static mrt_result check_voice(const phone_list *list, error *err)
 {
     uint32_t vowels = 0;
     double spoken_s = 0.0;
     for (uint32_t i = 0; i < list->count; ++i) {
         const phone *p = &list->phone[i];
-        if (p->sound == PHONE_REST)
-            continue;
-        report->sound_count += 1;
         vowels += phone_is_vowel(p->sound);
-        spoken_s += p->end_s - p->start_s;
+        spoken_s += p->sound != PHONE_REST ? p->end_s - p->start_s : 0.0;
     }
-    if (report->sound_count > 0 && vowels > 0 && report->sound_count >= 1.5 * spoken_s)
+    if (vowels > 0 && count_sounds(list) >= 1.5 * spoken_s)
         return MRT_OK;
     return error_set(err, MRT_ERR_ARGUMENT,
                      "no speech was found in the sound. It may be music or noise: attach the sound "
@@ -371,9 +324,7 @@ static mrt_result find_sounds(analysis *self, phone_list *out, error *err)
     mrt_result result = recogniser_open(&self->by, &why);
     if (result == MRT_ERR_UNSUPPORTED)
         (void)snprintf(r->note, sizeof r->note,
-                       "The mouth follows loudness alone, which is "
-                       "coarser: %s.",
-                       why.text);
+                       "The mouth follows the spectrum alone, which is coarser: %s.", why.text);
     else if (result < 0)
         return error_set(err, result, "%s", why.text);
     note_unknown(self);
@@ -408,7 +359,10 @@ mrt_result phones_find(phone_list *out, phones_report *report, const phones_sour
         result = find_sounds(&self, out, err);
     if (result >= 0 && !is_stopped) {
         close_gaps(out);
-        result = check_voice(out, report, err);
+        close_gaps(&self.hints);
+        /* Music and noise do not fool the model of the recogniser so easily. */
+        result = check_voice(self.hints.count > 0 ? &self.hints : out, err);
+        report->sound_count = count_sounds(out);
     }
     if (result >= 0 && !is_stopped)
         result = find_effort(&self, out, err);
@@ -416,7 +370,9 @@ mrt_result phones_find(phone_list *out, phones_report *report, const phones_sour
         result = MRT_END;
     recogniser_close(self.by);
     word_list_finish(&self.words);
-    free(self.frame);
+    phone_list_finish(&self.hints);
+    free(self.level_db);
+    free(self.heard);
     if (result != MRT_OK)
         phone_list_finish(out);
     return is_stopped ? MRT_END : result;

@@ -1,7 +1,8 @@
 /* stage/voice/phones.h - the sounds of a voice with their times, which "Mouth from this voice"
- * turns into visemes (mouth.h). Pocketsphinx finds them, with the words that are said or without.
- * Where it is not built in or its model is missing, loudness and bands of the spectrum give a
- * coarser result. Memory is bounded: the voice is read in parts of at most 15 s that end at pauses.
+ * turns into visemes (mouth.h). Where the words are known, pocketsphinx finds them (recogniser.h).
+ * Without words its sounds and the spectrum (hearing.h) count together; where it is not built in or
+ * its model is missing, the spectrum alone. Memory is some 60 bytes for each 10 ms: the voice is
+ * read in parts of at most 15 s that end at pauses.
  * Leaves out where the voice comes from. Any thread that may block; one call at a time in a
  * program, because pocketsphinx has global state. */
 #ifndef MAROTTE_STAGE_VOICE_PHONES_H
