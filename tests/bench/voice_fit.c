@@ -381,6 +381,8 @@ static void print(const char *name, int row_count, int count, const float *of)
     printf("};\n");
 }
 
+#define INTEGERS "stdint" /* header of int16_t */
+
 int main(int argc, char **argv)
 {
     for (int i = 0; argc == 2 && i < COUNT(fit_sentences); ++i)
@@ -406,7 +408,7 @@ int main(int argc, char **argv)
          " * last of each row is added. Written by tests/bench/voice_fit. Only for hearing.c. */\n"
          "#ifndef MAROTTE_STAGE_VOICE_HEARING_WEIGHTS_H\n"
          "#define MAROTTE_STAGE_VOICE_HEARING_WEIGHTS_H\n"
-         "#include <stdint.h>\n\n"
+         "#include <" INTEGERS ".h>\n\n"
          "#define HEARING_WEIGHT_UNIT 256.0f\n");
     print("hearing_first", HEARING_HIDDEN, INS, weight);
     print("hearing_second", HEARING_GROUPS, MIDS, weight + FIRST);
