@@ -15,7 +15,7 @@
 static const float rest[5 * 3] = {0, 0, 0, 2, 0, 0, 0, 50, 0, 0, 0, 400, 90, 0, 0};
 static const mrt_contact contacts[3] = {{"mouth.corner.l", "skull", {1, 0, 0}, {0, 0, 1}},
                                         {"brow.inner.l", "skull", {0, 51, 0}, {0, 0, 1}},
-                                        {"ear.l", "skull", {90, 1, 0}, {0, 0, 1}}};
+                                        {"collar.l", "skull", {90, 1, 0}, {0, 0, 1}}};
 static const mrt_face about = {.contacts = contacts, .contact_count = 3};
 
 static void assert_near(double found, double expected, double tolerance)
