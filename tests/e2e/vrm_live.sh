@@ -17,7 +17,7 @@ listener=
 trap '[ -z "$listener" ] || kill "$listener" 2>/dev/null; rm -rf "$scratch"' EXIT
 out=$BUILD_DIR/out
 mkdir -p "$out"
-"$MAROTTE" perform --face "$puppet" --input "log:$demo,start=11,end=14" --map one_hand --record a.marotte >/dev/null 2>stderr &&
+"$MAROTTE" perform --face "$puppet" --input "log:$demo,end=3" --map one_hand --record a.marotte >/dev/null 2>stderr &&
     "$MAROTTE" take export a.marotte last --export a.livelink.csv >/dev/null 2>stderr || { fail "no take: $(cat stderr)"; finish; }
 jaw=$(awk -F, 'NR == 1 { for (i = 1; i <= NF; ++i) if ($i == "JawOpen") at = i; next } $at > most { most = $at } END { print most }' a.livelink.csv)
 
