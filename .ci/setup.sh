@@ -16,10 +16,10 @@ setup_required_packages=(
 )
 # marotte builds without these. Installed with the first set-up where apt-get has them.
 setup_optional_packages=(fonts-inter libpocketsphinx-dev pocketsphinx-en-us libasound2-dev libopenxr-dev libpipewire-0.3-dev libsystemd-dev)
-setup_test_packages=(libcmocka-dev sqlite3 libumockdev-dev umockdev liblo-tools clang-format-14 nodejs
+setup_test_packages=(libcmocka-dev ruby-mdl sqlite3 libumockdev-dev umockdev liblo-tools clang-format-14 nodejs
     libespeak-ng-dev espeak-ng-data xvfb xdotool openbox wmctrl x11-utils picom ffmpeg pipewire pipewire-bin dbus-daemon)
 # For ./test --long: the fuzz targets, clang-tidy, the guide of plugins in a debugger.
-setup_long_packages=(clang libclang-rt-14-dev clang-tidy-14 gdb)
+setup_long_packages=(pandoc clang libclang-rt-14-dev clang-tidy-14 gdb)
 
 # setup_missing PACKAGE...: prints those that are not installed, one a line.
 setup_missing() {

@@ -9,7 +9,7 @@
 
 #include <math.h>
 
-/* The measures of rigs/README.md, mm. */
+/* The measures of rigs/making.md, mm. */
 static const vec3 EYE = {37.5, 68.0, 62.0};
 static const vec3 HINGE = {68.0, -24.0, -8.0};
 
@@ -272,7 +272,7 @@ static void brows_lie_on_the_skin(void **state)
     free(brow);
 }
 
-/* The ellipsoids that rigs/README.md suggests as the skull. */
+/* The ellipsoids that rigs/making.md suggests as the skull. */
 static void skull_lies_under_the_skin(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# pictures.sh [FOLDER]: writes the README's film and pictures of the real window to .github/ (or FOLDER): the puppet speaking, a live
-# performance, the timeline, a painted rig, the card of the hand. Recorded hands perform, on a private X server. Not a test: look at
+# pictures.sh [FOLDER]: writes the film and pictures of the real window that the guides show to .github/ (or FOLDER): the puppet
+# speaking, a live performance, the timeline, a painted rig, the card of the hand, the steps from a head to a video. Recorded hands perform, on a private X server. Not a test: look at
 # the results, then commit them.
 #   ninja -C build/release marotte-program && MAROTTE=build/release/marotte tests/window/pictures.sh
 here=$(cd "$(dirname "$0")/../.." && pwd)
@@ -30,7 +30,7 @@ window() {
     open_window "$@" --size 1440x810 --settings "" --script script.txt
     until_true test -s now.png || fail "the script of $picture does not end: $(cat stderr.txt)"
     sleep 0.5
-    ffmpeg -v error -f x11grab -draw_mouse 0 -video_size 1440x810 -i "$DISPLAY" -frames:v 1 -y "$folder/$picture" </dev/null ||
+    ffmpeg -v error -f x11grab -draw_mouse 0 -video_size 1440x810 -i "$DISPLAY" -frames:v 1 -quality 88 -y "$folder/$picture" </dev/null ||
         fail "$picture"
     kill -TERM "$program_pid"
     ends 0
@@ -116,4 +116,38 @@ wait 6
 move 700 452
 wait 6
 END
+
+# From your head to a video (ui/guide/head_to_video.md): the Moai's mesh is a head without a rig, then with a drafted one.
+cp "$SOURCE_DIR/rigs/moai/moai.glb" head.glb
+window guide_draft.webp draft.marotte --face head.glb <<END
+wait 4
+move 700 300
+wait 2
+END
+work rig new head.glb
+window guide_rig.webp rig_drafted.marotte --face head.rig.json <<END
+do panel_rig
+do timeline
+wait 6
+END
+window guide_perform.webp perform.marotte --face head.rig.json --map one_hand,jaw_gain=150 --input log:hand.csv <<END
+do show_card
+do panel_mapping
+wait 12
+END
+work perform --face head.rig.json --input "log:$demo,end=9" --map one_hand --record cut.marotte
+work take audio attach cut.marotte last voice.wav
+work take trim cut.marotte last --in 1 --out 6
+{
+    echo 'do take_before'
+    echo 'wait 3'
+    for _ in 1 2 3; do echo 'do second_forward'; done
+    echo 'wait 4'
+} >cut_script
+window guide_cut.webp cut.marotte --face head.rig.json <cut_script
+{
+    cat cut_script
+    echo 'do export'
+    echo 'wait 3'
+} | window guide_export.webp cut.marotte --face head.rig.json
 finish

@@ -559,7 +559,7 @@ static mrt_result show_poses(const showing *s, const face_file *f, error *err)
     uint32_t count;
     if (f->rig->pose_count == 0)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s: the rig has no poses ($.poses); rigs/README.md explains them",
+                         "%s: the rig has no poses ($.poses); rigs/rig_format.md explains them",
                          s->path);
     mrt_result result = choose_poses(&count, s, f->rig, err);
     if (result >= 0)

@@ -17,7 +17,7 @@ enum { UNDO_WORDS = 160, WAYS = 6, OWN_WAY = WAYS };
 static const double degree = ANGLE_PI / 180.0;
 static const char unit[] = "\xc2\xb0";
 
-/* Effect of a positive angle, as mappings expect it (rigs/README.md). */
+/* Effect of a positive angle, as mappings expect it (rigs/rig_format.md). */
 static const struct {
     const char *words, *name;
     vec3 axis;
