@@ -1,15 +1,15 @@
 // A VRM that three-vrm shows, in a headless Chromium, moves by the VMC datagrams that it hears; they are read by osc-min.
-//   node vrm_listen.mjs CHROMIUM FOLDER PACKAGES HEAD.glb PORT_FILE PICTURE.png
+//   node vrm_listen.mjs CHROMIUM FOLDER PACKAGES HEAD.glb PORT_FILE NAME=PICTURE.png...
 // HEAD.glb: an avatar of Ready Player Me with ARKit's shapes; it becomes a VRM 1.0 here, its presets bound to its visemes. Writes
-// the port when the avatar stands, hears faces until none comes for two seconds, then prints what was heard and how the mouth's
-// part of the picture, and the whole but for it, differ between the face with the most closed jaw and the one with the most open
-// one. PICTURE.png has both.
+// the port when the avatar stands. For each NAME it hears faces until none comes for two seconds, then prints what was heard and how
+// the mouth's part of the picture, and the whole but for it, differ between the face with the most closed jaw and the one with the
+// most open one, "NAME: " before each line. PICTURE.png has both.
 import {createSocket} from 'node:dgram';
 import {readFileSync, renameSync, writeFileSync} from 'node:fs';
 import {pathToFileURL} from 'node:url';
 import {openPage} from './page.mjs';
 
-const [program, folder, packages, head, portFile, picture] = process.argv.slice(2);
+const [program, folder, packages, head, portFile, ...performances] = process.argv.slice(2);
 const {fromBuffer} = await import(pathToFileURL(`${packages}/osc-min/dist/index.js`));
 
 // ---- the avatar, as a VRM ----
@@ -170,23 +170,25 @@ socket.bind(0, '127.0.0.1', () => {
   writeFileSync(`${portFile}.new`, String(socket.address().port));
   renameSync(`${portFile}.new`, portFile);
 });
-while (!heardAt || performance.now() - heardAt < 2000 || isShowing) await new Promise((resolve) => setTimeout(resolve, 100));
-if (!open) {
-  console.error('no whole face was heard');
-  end(1);
+for (const performed of performances) {
+  const [name, picture] = performed.split('=');
+  [face, closed, open, faces, shown, heardAt] = [{values: {}, bones: {}}, undefined, undefined, 0, 0, 0];
+  while (!heardAt || performance.now() - heardAt < 2000 || isShowing) await new Promise((resolve) => setTimeout(resolve, 100));
+  if (!open) {
+    console.error(`${name}: no whole face was heard`);
+    end(1);
+  }
+  const said = await value(`compare(${JSON.stringify(closed)}, ${JSON.stringify(open)})`);
+  if (!said) {
+    console.error(`${name}: the page compares nothing`);
+    end(1);
+  }
+  const both = await value(`both(${JSON.stringify(said.closed)}, ${JSON.stringify(said.open)})`);
+  writeFileSync(picture, Buffer.from(both.split(',')[1], 'base64'));
+  for (const line of [`a VRM ${said.version}: ${faces} faces heard, ${shown} shown live, unknown there: ${said.unknown.join(' ') || 'none'}`,
+                      `names ${Object.keys(open.values).length}`, `bones ${Object.keys(open.bones).length}`,
+                      `jaw_closed ${openness(closed)}`, `jaw_open ${openness(open)}`, `mouth ${(100 * said.mouth).toFixed(2)}`,
+                      `rest ${(100 * said.rest).toFixed(2)}`])
+    console.log(`${name}: ${line}`);
 }
-const said = await value(`compare(${JSON.stringify(closed)}, ${JSON.stringify(open)})`);
-if (!said) {
-  console.error('the page compares nothing');
-  end(1);
-}
-const both = await value(`both(${JSON.stringify(said.closed)}, ${JSON.stringify(said.open)})`);
-writeFileSync(picture, Buffer.from(both.split(',')[1], 'base64'));
-console.log(`a VRM ${said.version}: ${faces} faces heard, ${shown} shown live, unknown there: ${said.unknown.join(' ') || 'none'}`);
-console.log(`names ${Object.keys(open.values).length}`);
-console.log(`bones ${Object.keys(open.bones).length}`);
-console.log(`jaw_closed ${openness(closed)}`);
-console.log(`jaw_open ${openness(open)}`);
-console.log(`mouth ${(100 * said.mouth).toFixed(2)}`);
-console.log(`rest ${(100 * said.rest).toFixed(2)}`);
 end(0);

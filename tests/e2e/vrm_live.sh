@@ -21,28 +21,28 @@ mkdir -p "$out"
     "$MAROTTE" take export a.marotte last --export a.livelink.csv >/dev/null 2>stderr || { fail "no take: $(cat stderr)"; finish; }
 jaw=$(awk -F, 'NR == 1 { for (i = 1; i <= NF; ++i) if ($i == "JawOpen") at = i; next } $at > most { most = $at } END { print most }' a.livelink.csv)
 
-for names in arkit presets; do
-    rm -f port
-    timeout 280 node "$SOURCE_DIR/tests/e2e/vrm_listen.mjs" "$chromium" "$scratch/profile" "$packages" "$avatar" port \
-        "$out/vrm_live_$names.png" >said 2>stderr &
-    listener=$!
-    for _ in $(seq 1800); do
-        [ -s port ] || ! kill -0 "$listener" 2>/dev/null || { sleep 0.1; continue; }
-        break
-    done
-    [ -s port ] || { fail "the avatar does not listen: $(tail -n 3 stderr said)"; finish; }
-    "$MAROTTE" take play a.marotte last --output "vmc:127.0.0.1:$(cat port),names=$names" >played 2>&1 || fail "take play: $(cat played)"
-    wait "$listener" || fail "$names: $(tail -n 5 stderr said)"
-    listener=
-    sed "s/^/$names: /" said
-    is() { awk "/^$1 / { there = 1; if (!(\$2 $2)) wrong = 1 } END { exit wrong || !there }" said; }
-    is bones ">= 3" || fail "$names: head and eyes are not heard"
-    is jaw_closed "< 0.1" || fail "$names: the jaw never closes"
-    is mouth "> 5" || fail "$names: the mouth's picture hardly moves"
-    if [ $names = arkit ]; then
-        is names "== 52" || fail "not the 52 names"
-        is jaw_open "> $jaw - 0.02" && is jaw_open "< $jaw + 0.02" || fail "the take's jaw opens to $jaw, not so far there"
-        grep -q 'unknown there: none$' said || fail "the avatar does not know all names: $(head -n 1 said)"
-    fi
+timeout 550 node "$SOURCE_DIR/tests/e2e/vrm_listen.mjs" "$chromium" "$scratch/profile" "$packages" "$avatar" port \
+    "arkit=$out/vrm_live_arkit.png" "presets=$out/vrm_live_presets.png" >said 2>stderr &
+listener=$!
+for _ in $(seq 1800); do
+    [ -s port ] || ! kill -0 "$listener" 2>/dev/null || { sleep 0.1; continue; }
+    break
 done
+[ -s port ] || { fail "the avatar does not listen: $(tail -n 3 stderr said)"; finish; }
+for names in arkit presets; do
+    "$MAROTTE" take play a.marotte last --output "vmc:127.0.0.1:$(cat port),names=$names" >played 2>&1 || fail "take play: $(cat played)"
+    until grep -q "^$names: rest" said || ! kill -0 "$listener" 2>/dev/null; do sleep 0.1; done
+done
+wait "$listener" || fail "$(tail -n 5 stderr said)"
+listener=
+cat said
+is() { awk "/^$1: $2 / { there = 1; if (!(\$3 $3)) wrong = 1 } END { exit wrong || !there }" said; }
+for names in arkit presets; do
+    is $names bones ">= 3" || fail "$names: head and eyes are not heard"
+    is $names jaw_closed "< 0.1" || fail "$names: the jaw never closes"
+    is $names mouth "> 5" || fail "$names: the mouth's picture hardly moves"
+done
+is arkit names "== 52" || fail "not the 52 names"
+is arkit jaw_open "> $jaw - 0.02" && is arkit jaw_open "< $jaw + 0.02" || fail "the take's jaw opens to $jaw, not so far there"
+grep -q '^arkit: .*unknown there: none$' said || fail "the avatar does not know all names: $(head -n 1 said)"
 finish

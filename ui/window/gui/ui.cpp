@@ -1855,6 +1855,7 @@ static void draw_part(const ImDrawData *whole, const ImRect &box)
     }
     const ImVec4 ground = ImGui::ColorConvertU32ToFloat4(IM_COL32(
         THEME_STAGE >> 24 & 0xffu, THEME_STAGE >> 16 & 0xffu, THEME_STAGE >> 8 & 0xffu, 255));
+    gl_end_scene(); /* a part that is cleared in the middle of a scene begins another one */
     glEnable(GL_SCISSOR_TEST);
     glScissor(static_cast<GLint>(box.Min.x), static_cast<GLint>(height - box.Max.y),
               static_cast<GLsizei>(box.GetWidth()), static_cast<GLsizei>(box.GetHeight()));
