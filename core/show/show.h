@@ -204,7 +204,7 @@ CHECKED mrt_result show_performance_create(show *self, take_performance *p, erro
 #define SHOW_COMPUTED_NS INT64_C(1000000000)
 typedef struct show_computed {
     int64_t take;
-    const char *program; /* "marotte 0.1.0" */
+    const char *program; /* "marotte 0.2.0" */
     take_track *track;
     take_performance *performance; /* its track is set */
     int64_t length_ns;

@@ -21,7 +21,7 @@ enum { WRITER_CHECKPOINTS = 4 };
 
 typedef struct writer_options {
     int64_t utc_ns, monotonic_ns; /* both clocks, read together */
-    const char *program;          /* "marotte 0.1.0" */
+    const char *program;          /* "marotte 0.2.0" */
     int64_t journal_ns;           /* how long data is kept that no take needs; 0: 30 min */
     size_t memory_bytes;     /* limit of memory that holds data while the disk is full; 0: 64 MiB */
     size_t checkpoint_bytes; /* size of the largest checkpoint; 0: no checkpoints */

@@ -712,6 +712,8 @@ void write_mesh(const char *path, const mesh *m)
         to.add(gltf_utf8(m->target[i].name),
                gltf_in_metres(m->target[i].offset, to.surface.position.size()).data());
     gltf_surface_scene(to.bare, to.surface);
+    /* The same in every version: takes know the heads of rigs/ by the hash of the file. */
+    to.bare.model.asset.generator = "marotte 0.1.0";
     (void)gltf_output_write(to.bare, gltf_output_json(to.bare), path);
 }
 
