@@ -71,7 +71,8 @@ typedef struct gltf_report {
  * slate. Errors name the frame or file. */
 CHECKED mrt_result gltf_write(const char *path, const clip *c, const gltf_options *options,
                               const export_progress *progress, gltf_report *out_report, error *err);
-/* Writes only a mesh, with its parts, materials, attributes and targets. */
+/* Writes only a mesh, with its parts, materials, attributes and targets: the same bytes in every
+ * version of marotte, because takes know the heads of rigs/ by the hash of their file. */
 CHECKED mrt_result gltf_write_mesh(const char *path, const mesh *m, error *err);
 
 typedef struct cache_options {

@@ -351,7 +351,7 @@ static void a_mesh_keeps_its_parts_materials_attributes_and_targets(void **state
     const json_t *material = glb_at(json_object_get(g.root, "materials"), 0);
     assert_string_equal(text_at(material, "name"), "skin");
     const json_t *asset = json_object_get(g.root, "asset");
-    assert_string_equal(text_at(asset, "generator"), "marotte " MAROTTE_VERSION);
+    assert_string_equal(text_at(asset, "generator"), "marotte 0.1.0"); /* in every version */
     assert_string_equal(text_at(asset, "copyright"), "(none)");
     glb_face_finish(&face);
     glb_close(&g);
