@@ -680,6 +680,20 @@ static void print_help(const take_verb *verb)
     command_print_examples(verb->examples);
 }
 
+static bool describe(command_part *out, command_option *table, size_t place)
+{
+    for (int g = 0; g < GROUP_COUNT; ++g) {
+        if (place < groups[g]->count) {
+            const take_verb *verb = &groups[g]->verb[place];
+            list_options(table, verb, 0);
+            *out = (command_part){verb->name, verb->summary, table, NULL};
+            return true;
+        }
+        place -= groups[g]->count;
+    }
+    return false;
+}
+
 /* ---- finding the subcommand ---- */
 
 static bool is_named(const take_verb *verb, int argc, char **argv, int *out_used)
@@ -787,4 +801,5 @@ static int run(int argc, char **argv)
 const command command_take = {.name = "take",
                               .summary = "list, edit, perform again and export takes",
                               .print_help = print_verb_help,
-                              .run = run};
+                              .run = run,
+                              .part = describe};
