@@ -541,6 +541,7 @@ static const take_verb play_verbs[] = {
      "  --preroll S    start to play this long before --in\n"
      "  --passes N     repeat --in to --out, a layer each; the last complete pass is audible\n"
      "  --speed N      speed of the take, 0.1 to 4 (1)\n"
+     "  --fps RATE     frame rate for time code, if the take has none\n"
      "  --patch FILE, --calibration FILE, --rezero-pedal N, --realtime, --face FILE\n"
      "                 as in marotte perform\n"
      "Every pass is also a take of its own. q or Ctrl-C ends and keeps the performance.\n",
