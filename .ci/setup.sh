@@ -18,6 +18,8 @@ setup_required_packages=(
 setup_optional_packages=(fonts-inter libpocketsphinx-dev pocketsphinx-en-us libasound2-dev libopenxr-dev libpipewire-0.3-dev libsystemd-dev)
 setup_test_packages=(libcmocka-dev ruby-mdl sqlite3 libumockdev-dev umockdev liblo-tools clang-format-14 nodejs
     libespeak-ng-dev espeak-ng-data xvfb xdotool openbox wmctrl x11-utils picom ffmpeg pipewire pipewire-bin dbus-daemon)
+# For ./run package: debian/control names them, too.
+setup_package_packages=(debhelper dpkg-dev librsvg2-bin libcmocka-dev fakeroot xz-utils)
 # For ./test --long: the fuzz targets, clang-tidy, the guide of plugins in a debugger.
 setup_long_packages=(pandoc clang libclang-rt-14-dev clang-tidy-14 gdb)
 
@@ -137,6 +139,27 @@ setup_build() {
     fi
     setup_step building 0 cmake --build "$here/build/$preset" --target "$target"
     [ $((SECONDS - began)) -lt 2 ] || echo "Built build/$preset in $(setup_time $((SECONDS - began)))." >&2
+}
+
+# setup_package OPTION...: makes the Debian packages in build/package, from a copy of the tree: what debian/ builds is what a
+# distribution would build. The options are dpkg-buildpackage's.
+setup_package() {
+    local version made=$here/build/package list=(find . -type f -not -path './build/*' -not -path './out/*' -print0)
+    version=$(sed -nE 's/^project\(marotte VERSION ([0-9.]+).*/\1/p' "$here/CMakeLists.txt")
+    setup_install "${setup_required_packages[@]}" "${setup_optional_packages[@]}" "${setup_package_packages[@]}"
+    if git -C "$here" rev-parse --is-inside-work-tree >/dev/null 2>&1; then
+        list=(git ls-files -z --cached --others --exclude-standard --deduplicate)
+    fi
+    rm -rf "$made"
+    mkdir -p "$made/marotte-$version"
+    (cd "$here" && "${list[@]}" | tar --null --files-from=- --ignore-failed-read --create) |
+        tar --extract --directory "$made/marotte-$version"
+    setup_step "packing the sources" 0 tar --create --auto-compress --file "$made/marotte_$version.orig.tar.xz" \
+        --directory "$made" --exclude="marotte-$version/debian" --sort=name --owner=0 --group=0 --numeric-owner \
+        --mtime="@$(dpkg-parsechangelog -l "$here/debian/changelog" -S Timestamp)" "marotte-$version"
+    setup_step packaging 0 env --chdir="$made/marotte-$version" dpkg-buildpackage --no-sign "$@"
+    rm -r "$made/marotte-$version"
+    (cd "$made" && du -k --apparent-size ./*.deb | sed "s|\t\./| KiB  ${made#"$PWD"/}/|")
 }
 
 # setup_install_tests [PACKAGE...]: installs what all tests need, and each PACKAGE. npm is only installed to fetch its

@@ -30,6 +30,7 @@ steps=(
     "window:the window, clicked at random: an hour, and ten minutes under the address sanitizer"
     "shows:hostile shows through every command for an hour"
     "outputs:a face sent to all outputs, an hour of \`perform\` and ten minutes of the stage"
+    "package:the Debian packages on a bare Debian 12: lintian, blhc, the demo, the window, purged without a trace"
     "repeats:600 random edits undone, 100 replugs of a glove, 100 checks of each plugin, pictures of the rig and the viewport"
 )
 
@@ -85,6 +86,7 @@ step_shows() { built release && build/release/tests/take/hostile_shows 3600; }
 step_outputs() {
     built release && bash tests/e2e/outputs_soak.sh 3600 perform && bash tests/e2e/outputs_soak.sh 600 stage
 }
+step_package() { bash tests/package/debian.sh; }
 step_repeats() {
     built release && MAROTTE_ACTIONS=600 build/release/tests/window/test_window_undo &&
         MAROTTE_REPLUGS=100 build/release/tests/device/test_device_glove_replug &&

@@ -68,6 +68,7 @@ for file in "$heads"/*.{glb,gltf,obj,vrm} "$shared/data/heads2"/*.{glb,obj,vrm,p
     [ -f "$file" ] || continue
     name=$(basename "$file")
     head=${name%.*} rig=$scratch/${name%.*}.rig.json
+    # shellcheck disable=SC2194 # the list is constant
     case " one_hand anchored unanchored demo subject1 subject4 subject1_calibration " in
         *" ${1:-demo} "*) ;;
         *) [ "$1" = "$head" ] || continue ;;

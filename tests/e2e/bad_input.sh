@@ -49,7 +49,7 @@ bad_face "$in/a.xyz" "$in/a.xyz"
 head -c 4096 /dev/urandom >"$in/random.stl"
 bad_face "$in/random.stl" "$in/random.stl"
 size=$(stat -c %s "$moai")
-for i in $(seq 1 $([ -n "${MAROTTE_TEST_LONG:-}" ] && echo 1 || echo 4) 63); do
+for i in $(seq 1 "$([ -n "${MAROTTE_TEST_LONG:-}" ] && echo 1 || echo 4)" 63); do
     head -c $((size * i / 64)) "$moai" >"$in/cut.glb"
     bad_face "$in/cut.glb" "$in/cut.glb"
 done

@@ -19,7 +19,7 @@ all() { # how many are exported, how many kept, more words
 
 # Twice the same, however many at a time; and what is complete is not done again.
 all 3 0 --jobs 2
-[ "$(cd out/1 && ls ./*.pc2 | xargs)" = './1-a-1.pc2 ./1-b-1.pc2 ./1-ä-1.pc2' ] || fail "files: $(ls out/1)"
+[ "$(cd out/1 && echo ./*.pc2)" = './1-a-1.pc2 ./1-b-1.pc2 ./1-ä-1.pc2' ] || fail "files: $(ls out/1)"
 "$MAROTTE" take export s.marotte 2 --export one.pc2 >/dev/null 2>&1
 cmp one.pc2 out/1/1-b-1.pc2 || fail "--all is another file than the take by itself"
 before=$(stat -c %Y.%i out/1/*)

@@ -12,6 +12,7 @@ trap 'kill "${listeners[@]}" 2>/dev/null; rm -rf "$scratch"' EXIT
 perform=("$MAROTTE" perform --verbose --face "$puppet" --input "log:$demo,end=1" --map one_hand)
 refused 1 'there is no face output plugin "nobody". Loaded: ' "${perform[@]}" --output nobody
 refused 1 'has no parameter "colour"' "${perform[@]}" --output vmc,colour=3
+# shellcheck disable=SC2046 # many words
 refused 2 '--output is given more than 8 times' "${perform[@]}" $(printf -- '--output vmc %.0s' 1 2 3 4 5 6 7 8 9)
 refused 2 'expected SHOW TAKE' "$MAROTTE" take play "$show"
 "${perform[@]}" --output vmc:nowhere.invalid:1 --output vmc:here --output "vmc:127.0.0.1:$port" --record "$show" >said 2>stderr ||

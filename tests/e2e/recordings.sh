@@ -13,7 +13,7 @@ if [ -n "${SANITIZED:-}" ]; then
     most_mib=1200                  # the sanitizer's own
     recordings=("${recordings[-1]}") # the same code, ten times slower
 fi
-maps=(moai:anchored moai:unanchored puppet:one_hand puppet:one_hand,mode=mask puppet:one_hand,mode=layered_waldo
+maps=(moai:anchored moai:unanchored puppet:one_hand "puppet:one_hand,mode=mask" "puppet:one_hand,mode=layered_waldo"
     puppet:anchored puppet:unanchored)
 facts=$scratch/facts.txt apart=${BUILD_DIR:-$SOURCE_DIR/build/release}/tests/bench/heads_apart
 for i in "${!maps[@]}"; do

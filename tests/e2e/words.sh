@@ -4,7 +4,7 @@
 source "$(dirname "$0")/lib.sh"
 cd "$scratch" || exit 1
 cp "$moai" girl.glb
-one_second=(--face puppet --input log:demo_hand.csv,start=12,end=13 --map one_hand)
+one_second=(--face puppet --input "log:demo_hand.csv,start=12,end=13" --map one_hand)
 
 # ---- Did you mean ----
 refused 1 'there is no face "pupet". Did you mean "puppet"? Installed: moai, puppet' \

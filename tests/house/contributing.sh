@@ -23,7 +23,7 @@ works() { # COMMAND SKIPPED: whether it is only looked at
 }
 
 for block in "$scratch"/blocks/*.sh; do
-    kind=sh
+    kind="sh"
     [[ $block != *.skipped.sh ]] || kind=skipped
     while read -r line; do
         count=$((count + 1))

@@ -406,4 +406,5 @@ const command command_bench = {
     .examples = "bench --quick\n"
                 "bench --quick --only frame\n",
     .run = run,
+    .options = option_table,
 };

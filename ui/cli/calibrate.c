@@ -771,4 +771,5 @@ const command command_calibrate = {
                 "calibrate --input camera --name anna --hand right\n"
                 "calibrate --input osc:0.0.0.0:39539 --name ben --hand left --out out/ben.json\n",
     .run = run,
+    .options = option_table,
 };

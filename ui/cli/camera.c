@@ -121,4 +121,5 @@ const command command_camera = {
                 "camera --json\n"
                 "camera --port 9131\n",
     .run = run,
+    .options = option_table,
 };

@@ -8,6 +8,14 @@
 
 enum { COMMAND_DONE = 0, COMMAND_FAILED = 1, COMMAND_USAGE = 2 };
 
+struct command_option;
+/* A subcommand, "rig check". */
+typedef struct command_part {
+    const char *name, *summary;           /* "check", "layer add" */
+    const struct command_option *options; /* its table */
+    int (*run)(int argc, char **argv);    /* argv[0]: the name; NULL: the command finds it itself */
+} command_part;
+
 typedef struct command {
     const char *name;      /* "deform" */
     const char *summary;   /* one line for the list of commands */
@@ -16,6 +24,10 @@ typedef struct command {
     const char *examples;  /* examples below both, for command_print_examples; NULL: none */
     int (*print_help)(int argc, char **argv); /* returns the exit code */
     int (*run)(int argc, char **argv);        /* argv[0]: the name; --help is handled before */
+    const struct command_option *options;     /* its table; NULL: it has subcommands */
+    /* Describes the subcommand at that place of a list. `options` has room for COMMAND_OPTIONS_MAX
+     * rows of a table that is made for it. Returns false after the last one. */
+    bool (*part)(command_part *out, struct command_option *options, size_t place);
 } command;
 
 /* Prints command lines without "marotte". Each line ends with \n. */

@@ -162,4 +162,5 @@ const command command_deform = {
                 "deform case.json --precision f32\n"
                 "deform - <case.json\n",
     .run = run,
+    .options = option_table,
 };

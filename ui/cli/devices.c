@@ -728,4 +728,5 @@ const command command_devices = {
                 "devices --watch --input log:demo_hand.csv --seconds 1\n"
                 "devices --forward 127.0.0.1:9105 --input log:demo_hand.csv --seconds 1\n",
     .run = run,
+    .options = option_table,
 };

@@ -290,6 +290,7 @@ static void print_help(void)
         "                                 face (.rig.json .glb .vrm .obj ...) or a recording\n"
         "  marotte COMMAND [OPTIONS]      runs a command without a window\n"
         "  marotte help COMMAND           explains a command; the same as marotte COMMAND --help\n"
+        "  marotte help --options         lists the options of all commands, for other programs\n"
         "  marotte --version\n\n"
         "Commands:\n",
         stdout);
@@ -371,9 +372,37 @@ static int refuse(const char *word, const char *expected)
     return COMMAND_USAGE;
 }
 
-/* "help", "help perform", "help take trim". */
+/* Prints the name and the summary of a command, then each option: "--fps", and what follows it. */
+static void list_command(const char *name, const command_part *about)
+{
+    static const char *const follows[] = {
+        [COMMAND_FLAG] = "nothing",  [COMMAND_GIVEN] = "nothing", [COMMAND_TEXT] = "value",
+        [COMMAND_NUMBER] = "number", [COMMAND_WHOLE] = "number",  [COMMAND_READ] = "value"};
+    printf("%s%s%s\t%s\n", name, about->name[0] ? " " : "", about->name, about->summary);
+    for (const command_option *o = about->options; o && o->name; ++o)
+        if (o->kind != COMMAND_WORD)
+            printf("\t--%s\t%s\n", o->name, follows[o->kind]);
+}
+
+/* The subcommands of a command follow it. */
+static int list_all(void)
+{
+    for (int i = 0; i < COMMAND_COUNT; ++i) {
+        const command *self = commands[i];
+        command_part part = {"", self->summary, self->options, NULL};
+        command_option table[COMMAND_OPTIONS_MAX];
+        list_command(self->name, &part);
+        for (size_t place = 0; self->part && self->part(&part, table, place); ++place)
+            list_command(self->name, &part);
+    }
+    return flushed(COMMAND_DONE);
+}
+
+/* "help", "help perform", "help take trim", "help --options". */
 static int help(int argc, char **argv)
 {
+    if (argc > 1 && strcmp(argv[1], "--options") == 0)
+        return list_all();
     const command *about = argc > 1 ? find_command(argv[1]) : NULL;
     if (about)
         return show_help(about, argc - 1, argv + 1);

@@ -1423,4 +1423,5 @@ const command command_perform = {
         "perform --face puppet --life on --seconds 5 --export out/alive.glb\n"
         "perform --face puppet --curves curves.csv --export out/again.glb\n",
     .run = run,
+    .options = option_table,
 };

@@ -596,17 +596,29 @@ static int plugin_new_run(int argc, char **argv)
 
 /* ---- the command ---- */
 
+static const command_part parts[] = {
+    {"list", "list the plugins", list_option_table, plugin_list_run},
+    {"new", "start a new plugin", new_option_table, plugin_new_run},
+    {"check", "check a plugin against every rule", check_option_table, plugin_check_run},
+};
+enum { PART_COUNT = sizeof parts / sizeof parts[0] };
+
+static bool describe(command_part *out, command_option *options, size_t place)
+{
+    (void)options;
+    if (place >= PART_COUNT)
+        return false;
+    *out = parts[place];
+    return true;
+}
+
 static int run(int argc, char **argv)
 {
-    static const struct {
-        const char *name;
-        int (*run)(int argc, char **argv);
-    } parts[] = {{"list", plugin_list_run}, {"new", plugin_new_run}, {"check", plugin_check_run}};
     if (argc < 2)
         return command_usage(&command_plugin, "choose list, new or check");
     suggest near;
     suggest_begin(&near, argv[1]);
-    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
+    for (size_t i = 0; i < PART_COUNT; ++i) {
         if (strcmp(argv[1], parts[i].name) == 0)
             return parts[i].run(argc - 1, argv + 1);
         suggest_consider(&near, parts[i].name);
@@ -653,4 +665,5 @@ const command command_plugin = {
                 "plugin new wave --mapping --dir out\n"
                 "plugin check --rules\n",
     .run = run,
+    .part = describe,
 };

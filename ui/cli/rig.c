@@ -951,21 +951,31 @@ static int rigfit_run(int argc, char **argv)
 
 /* ---- the command ---- */
 
+static const command_part parts[] = {
+    {"check", "list the problems of a rig", check_options, rigcheck_run},
+    {"fit", "measure a rig against morph targets", fit_options_table, rigfit_run},
+    {"new", "draft a rig for a mesh", new_options, rignew_run},
+    {"show", "draw a rig, or list its poses", show_options, rigshow_run},
+    {"teeth", "fit the collision shapes of the lips", teeth_options, rigteeth_run},
+};
+enum { PART_COUNT = sizeof parts / sizeof parts[0] };
+
+static bool describe(command_part *out, command_option *options, size_t place)
+{
+    (void)options;
+    if (place >= PART_COUNT)
+        return false;
+    *out = parts[place];
+    return true;
+}
+
 static int run(int argc, char **argv)
 {
-    static const struct {
-        const char *name;
-        int (*run)(int argc, char **argv);
-    } parts[] = {{"check", rigcheck_run},
-                 {"fit", rigfit_run},
-                 {"new", rignew_run},
-                 {"show", rigshow_run},
-                 {"teeth", rigteeth_run}};
     if (argc < 2)
         return command_usage(&command_rig, "choose check, show, new, fit or teeth");
     suggest near;
     suggest_begin(&near, argv[1]);
-    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
+    for (size_t i = 0; i < PART_COUNT; ++i) {
         if (strcmp(argv[1], parts[i].name) == 0)
             return parts[i].run(argc - 1, argv + 1);
         suggest_consider(&near, parts[i].name);
@@ -1022,4 +1032,5 @@ const command command_rig = {
                 "rig show moai --out out/moai_rig.png\n"
                 "rig show puppet --poses --only joy,surprise\n",
     .run = run,
+    .part = describe,
 };

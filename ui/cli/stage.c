@@ -463,4 +463,5 @@ const command command_stage = {
                 "show.marotte\n"
                 "stage --face moai --map anchored --input log:demo_hand.csv,loop=1\n",
     .run = stage_run,
+    .options = option_table,
 };

@@ -541,6 +541,7 @@ static const take_verb play_verbs[] = {
      "  --preroll S    start to play this long before --in\n"
      "  --passes N     repeat --in to --out, a layer each; the last complete pass is audible\n"
      "  --speed N      speed of the take, 0.1 to 4 (1)\n"
+     "  --fps RATE     frame rate for time code, if the take has none\n"
      "  --patch FILE, --calibration FILE, --rezero-pedal N, --realtime, --face FILE\n"
      "                 as in marotte perform\n"
      "Every pass is also a take of its own. q or Ctrl-C ends and keeps the performance.\n",
@@ -680,6 +681,20 @@ static void print_help(const take_verb *verb)
     command_print_examples(verb->examples);
 }
 
+static bool describe(command_part *out, command_option *table, size_t place)
+{
+    for (int g = 0; g < GROUP_COUNT; ++g) {
+        if (place < groups[g]->count) {
+            const take_verb *verb = &groups[g]->verb[place];
+            list_options(table, verb, 0);
+            *out = (command_part){verb->name, verb->summary, table, NULL};
+            return true;
+        }
+        place -= groups[g]->count;
+    }
+    return false;
+}
+
 /* ---- finding the subcommand ---- */
 
 static bool is_named(const take_verb *verb, int argc, char **argv, int *out_used)
@@ -787,4 +802,5 @@ static int run(int argc, char **argv)
 const command command_take = {.name = "take",
                               .summary = "list, edit, perform again and export takes",
                               .print_help = print_verb_help,
-                              .run = run};
+                              .run = run,
+                              .part = describe};

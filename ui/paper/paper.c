@@ -449,4 +449,5 @@ const command command_paper = {
     .examples = "paper --quick\n"
                 "paper --quick --out out/mine\n",
     .run = run,
+    .options = option_table,
 };

@@ -6,6 +6,7 @@
 #include "window/gui/pace.h"
 #include "window/gui/theme.h"
 #include "window/gui/ui.h"
+#include "window/gui/window_icon.h"
 
 #include "base/clock.h"
 #include "base/error.h"
@@ -1204,6 +1205,17 @@ static const char *last_words(void)
     return why ? why : "unknown reason";
 }
 
+static void set_icon(GLFWwindow *of)
+{
+    window_icon icon[WINDOW_ICONS];
+    GLFWimage image[WINDOW_ICONS];
+    const uint32_t count = window_icons_read(icon);
+    for (uint32_t i = 0; i < count; ++i)
+        image[i] = (GLFWimage){(int)icon[i].size_px, (int)icon[i].size_px, icon[i].rgba};
+    glfwSetWindowIcon(of, (int)count, image);
+    window_icons_finish(icon, count);
+}
+
 static mrt_result open_glfw(glfw_window *self, uint32_t width, uint32_t height, const char *title,
                             error *err)
 {
@@ -1226,6 +1238,7 @@ static mrt_result open_glfw(glfw_window *self, uint32_t width, uint32_t height, 
                          "no window with OpenGL 3.3 can be opened: %s; update the graphics driver, "
                          "or install libgl1-mesa-dri",
                          last_words());
+    set_icon(self->glfw);
     glfwSetWindowSizeLimits(self->glfw, 800, 500, GLFW_DONT_CARE, GLFW_DONT_CARE);
     glfwMakeContextCurrent(self->glfw);
     gl_begin_scenes();
