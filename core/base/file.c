@@ -15,7 +15,10 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { SLOTS = 100 }; /* temporary names, one for each program that writes a target */
+enum {
+    SLOTS = 100, /* temporary names, one for each program that writes a target */
+    USER_FOLDERS_SIZE_MAX = 64 << 10
+};
 
 mrt_result file_read(file_bytes *out, const char *path, size_t size_cap, error *err)
 {
@@ -378,15 +381,53 @@ file_extension file_extension_of(const char *path)
     return out;
 }
 
+/* Reads the value of a line XDG_DOCUMENTS_DIR="$HOME/Documents" of the desktop's user-dirs.dirs: a
+ * path that begins with $HOME or '/', in which '\\' quotes the next character. The last line
+ * counts, as in a shell. */
+static bool find_documents(char out[PATH_MAX], const char *home)
+{
+    static const char key[] = "XDG_DOCUMENTS_DIR=\"", of_home[] = "$HOME";
+    const char *config = getenv("XDG_CONFIG_HOME");
+    const bool is_chosen = config && config[0] == '/';
+    char path[PATH_MAX];
+    file_bytes bytes;
+    bool is_found = false;
+    const int length = snprintf(path, sizeof path, "%s%s/user-dirs.dirs", is_chosen ? config : home,
+                                is_chosen ? "" : "/.config");
+    if (length >= (int)sizeof path || file_read(&bytes, path, USER_FOLDERS_SIZE_MAX, NULL) < 0)
+        return false;
+    for (const char *at = (const char *)bytes.data; at; at = strchr(at, '\n')) {
+        at += strspn(at, " \t\n");
+        if (strncmp(at, key, sizeof key - 1) != 0)
+            continue;
+        at += sizeof key - 1;
+        const bool is_home = strncmp(at, of_home, sizeof of_home - 1) == 0;
+        size_t used = is_home ? (size_t)snprintf(out, PATH_MAX, "%s", home) : 0;
+        at += is_home ? sizeof of_home - 1 : 0;
+        for (; *at && *at != '"' && *at != '\n' && used < PATH_MAX - 1; ++at) {
+            at += *at == '\\' && at[1] ? 1 : 0;
+            out[used++] = *at;
+        }
+        out[used] = '\0';
+        is_found = *at == '"' && out[0] == '/';
+    }
+    file_bytes_finish(&bytes);
+    return is_found;
+}
+
 mrt_result file_home_path(char *out, size_t capacity, file_home which, const char *rest, error *err)
 {
     static const struct {
         const char *variable, *below_home;
     } homes[] = {[FILE_HOME_CONFIG] = {"XDG_CONFIG_HOME", ".config"},
                  [FILE_HOME_DATA] = {"XDG_DATA_HOME", ".local/share"},
-                 [FILE_HOME_CACHE] = {"XDG_CACHE_HOME", ".cache"}};
+                 [FILE_HOME_CACHE] = {"XDG_CACHE_HOME", ".cache"},
+                 [FILE_HOME_DOCUMENTS] = {"XDG_DOCUMENTS_DIR", ""}};
     const char *chosen = getenv(homes[which].variable), *home = getenv("HOME");
+    char documents[PATH_MAX];
     int length = -1;
+    if ((!chosen || chosen[0] != '/') && which == FILE_HOME_DOCUMENTS && home && home[0] == '/')
+        chosen = find_documents(documents, home) ? documents : home;
     if (chosen && chosen[0] == '/')
         length = snprintf(out, capacity, "%s/marotte/%s", chosen, rest);
     else if (home && home[0] == '/')

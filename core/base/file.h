@@ -68,8 +68,15 @@ CHECKED mrt_result file_read_below(file_bytes *out, const char *folder, const ch
                                    size_t size_cap, error *err);
 
 /* Returns the path of the user's own files: $XDG_CONFIG_HOME/marotte/REST, or without the variable
- * ~/.config/marotte/REST; data and cache likewise. Fails if neither variable nor home is known. */
-typedef enum file_home { FILE_HOME_CONFIG = 0, FILE_HOME_DATA, FILE_HOME_CACHE } file_home;
+ * ~/.config/marotte/REST; data and cache likewise. Documents: marotte/REST in $XDG_DOCUMENTS_DIR,
+ * else in the folder that the desktop's user-dirs.dirs names, else in the home folder. Fails if
+ * neither variable nor home is known. */
+typedef enum file_home {
+    FILE_HOME_CONFIG = 0,
+    FILE_HOME_DATA,
+    FILE_HOME_CACHE,
+    FILE_HOME_DOCUMENTS
+} file_home;
 CHECKED mrt_result file_home_path(char *out, size_t capacity, file_home which, const char *rest,
                                   error *err);
 /* Creates all missing folders of the path, from the top. */

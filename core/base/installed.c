@@ -106,6 +106,17 @@ char *installed_path(installed_kind kind, const char *given)
     return strdup(given);
 }
 
+char *installed_kept_face(const char *path)
+{
+    char found[INSTALLED_LENGTH];
+    const char *place = NULL; /* in the data folder: "rigs/puppet/puppet.rig.json" */
+    for (const char *at = path; (at = strstr(at, "/rigs/")) != NULL; ++at)
+        place = at + 1;
+    if (place && !is_file(path) && find(found, data, place) && is_file(found))
+        return realpath(found, NULL);
+    return strdup(path);
+}
+
 /* Writes "moai, puppet", and also considers each name for `near`. */
 static void list_names(char *out, size_t capacity, installed_kind kind, suggest *near)
 {

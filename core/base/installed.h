@@ -28,6 +28,10 @@ typedef enum installed_kind {
  * directory takes precedence. If neither exists, returns the given text. The caller frees the copy;
  * NULL: no memory. */
 char *installed_path(installed_kind kind, const char *given);
+/* Returns the path of a face that a show or the settings keep. If it came with an installation that
+ * was moved or replaced, the same face of this installation. Else the given path. The caller frees
+ * the copy; NULL: no memory. */
+char *installed_kept_face(const char *path);
 /* Fails if `given` looks like a short name (no '/'), but is neither a file nor an installed name.
  * The error lists the installed names, and the most similar one. */
 CHECKED mrt_result installed_check(installed_kind kind, const char *given, error *err);

@@ -124,6 +124,20 @@ mrt_result json_node_unexpected(error *err, const json_node *at, const char *exp
                      json_describe(at->value).text);
 }
 
+mrt_result json_node_version(const json_node *root, const char *key, error *err)
+{
+    const json_node version = json_node_member(root, key);
+    const json_int_t number = json_integer_value(version.value); /* 0: not a whole number */
+    if (number == 1)
+        return MRT_OK;
+    if (number < 1)
+        return json_node_unexpected(err, &version, "1, the version of the format");
+    return error_set(err, MRT_ERR_UNSUPPORTED,
+                     "%s: was made by a newer marotte (version %" JSON_INTEGER_FORMAT
+                     ", this one reads 1): update marotte",
+                     version.path.text, number);
+}
+
 mrt_result json_node_object(const json_node *at, const char *expected, error *err)
 {
     return json_is_object(at->value) ? MRT_OK : json_node_unexpected(err, at, expected);

@@ -53,6 +53,10 @@ const char *json_node_unknown(const json_node *object, const char *const *known,
 /* Sets the error "PATH: expected EXPECTED, found ...". Always returns MRT_ERR_FORMAT. */
 mrt_result json_node_unexpected(error *err, const json_node *at, const char *expected);
 
+/* Checks the format version of a file of marotte, which is 1. Error of a newer one: it was made by
+ * a newer marotte. */
+CHECKED mrt_result json_node_version(const json_node *root, const char *key, error *err);
+
 /* Read the expected type, or fail with json_node_unexpected. They write `out` only on success. */
 CHECKED mrt_result json_node_object(const json_node *at, const char *expected, error *err);
 /* Accepts at most item_cap items. */

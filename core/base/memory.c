@@ -69,9 +69,12 @@ void memory_started(void)
 
 uint64_t memory_in_use(void)
 {
-#ifdef __GLIBC__
+#if defined(__GLIBC__) && __GLIBC_PREREQ(2, 33)
     const struct mallinfo2 all = mallinfo2();
     return (uint64_t)all.uordblks + all.hblkhd;
+#elif defined(__GLIBC__) /* counts modulo 4 GiB */
+    const struct mallinfo all = mallinfo();
+    return (uint64_t)(unsigned)all.uordblks + (unsigned)all.hblkhd;
 #else
     return 0;
 #endif

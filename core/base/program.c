@@ -41,29 +41,26 @@ bool program_on_path(char out[PATH_MAX], const char *name)
     return false;
 }
 
-static bool is_beside(char out[PATH_MAX], const char *name)
+/* Looks beside the running program, and at the top of the build folder that contains it. */
+static bool is_near(char out[PATH_MAX], const char *name)
 {
-    char *slash = installed_program(out) ? strrchr(out, '/') : NULL;
-    size_t size = strlen(name) + 1;
-    if (!slash || (size_t)(slash + 1 - out) + size > PATH_MAX)
-        return false;
-    memcpy(slash + 1, name, size);
-    return is_program(out);
-}
-
-static bool runs_from(const char *folder)
-{
+    static const char build[] = "CMakeCache.txt"; /* at the top of a build folder */
     char program[PATH_MAX];
-    char *real = realpath(folder, NULL);
-    size_t length = real ? strlen(real) : 0;
-    bool does = length > 0 && installed_program(program) && strncmp(program, real, length) == 0 &&
-                program[length] == '/';
-    free(real);
-    return does;
+    char *slash = installed_program(program) ? strrchr(program, '/') : NULL;
+    for (bool is_beside = true; slash; is_beside = false) {
+        *slash = '\0';
+        const int length = snprintf(out, PATH_MAX, "%s/%s", program, build);
+        const bool is_searched = is_beside || (length < PATH_MAX && access(out, F_OK) == 0);
+        if (is_searched && snprintf(out, PATH_MAX, "%s/%s", program, name) < PATH_MAX &&
+            is_program(out))
+            return true;
+        slash = strrchr(program, '/');
+    }
+    return false;
 }
 
 mrt_result program_find(char out[PATH_MAX], const char *name, const char *variable,
-                        const char *build_dir, const char *purpose, error *err)
+                        const char *purpose, error *err)
 {
     const char *chosen = getenv(variable);
     if (chosen && *chosen) {
@@ -73,10 +70,7 @@ mrt_result program_find(char out[PATH_MAX], const char *name, const char *variab
             return MRT_OK;
         return error_set(err, MRT_ERR_IO, "%s names \"%s\", which cannot be run", variable, chosen);
     }
-    if (is_beside(out, name))
-        return MRT_OK;
-    int written = snprintf(out, PATH_MAX, "%s/%s", build_dir, name);
-    if (written > 0 && written < PATH_MAX && runs_from(build_dir) && is_program(out))
+    if (is_near(out, name))
         return MRT_OK;
     return error_set(err, MRT_ERR_IO,
                      "%s is not beside the program: %s. Install it there, or name it in %s", name,

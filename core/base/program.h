@@ -20,10 +20,10 @@
 #endif
 
 /* Finds the program `name`: in the environment variable `variable`, else beside the running
- * program. If the running program is in build_dir, also there: an installed program does not search
- * its build folder. purpose: text for the error, "it examines plugins". */
+ * program. If the running program is somewhere in a build folder of CMake, also at the top of that
+ * folder. purpose: text for the error, "it examines plugins". */
 CHECKED mrt_result program_find(char out[PATH_MAX], const char *name, const char *variable,
-                                const char *build_dir, const char *purpose, error *err);
+                                const char *purpose, error *err);
 
 /* Finds the program `name` in $PATH. A name with a '/' is itself the path. */
 bool program_on_path(char out[PATH_MAX], const char *name);

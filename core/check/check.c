@@ -46,12 +46,10 @@ typedef void on_line_fn(void *data, char kind, const char *name, const char *tex
 
 enum { PROCESSES_MAX = 64, PADDING_MAX = 8192, LISTEN_MS = 200 };
 
-/* Finds the program that runs cases: $MAROTTE_PLUGINCHECK, beside this program, or in the build
- * folder. */
 static mrt_result find_program(char out[PATH_MAX], error *err)
 {
-    return program_find(out, "marotte-plugincheck", "MAROTTE_PLUGINCHECK", MAROTTE_BUILD_DIR,
-                        "it checks plugins", err);
+    return program_find(out, "marotte-plugincheck", "MAROTTE_PLUGINCHECK", "it checks plugins",
+                        err);
 }
 
 /* ---- starting ---- */

@@ -261,13 +261,11 @@ static mrt_result read_root(calibration_file *out, const json_node *root, error 
     mrt_result result = json_node_object(root, "an object, a calibration", err);
     if (result < 0)
         return result;
-    json_node version_at = json_node_member(root, "marotte_calibration");
     json_node name_at = json_node_member(root, "name"), date_at = json_node_member(root, "date");
     json_node hand_at = json_node_member(root, "hand");
     json_node input_at = json_node_member(root, "input");
-    if (!json_is_integer(version_at.value) || json_integer_value(version_at.value) != 1)
-        return json_node_unexpected(err, &version_at, "1, the version of the file");
-    if (name_at.value)
+    result = json_node_version(root, "marotte_calibration", err);
+    if (result >= 0 && name_at.value)
         result = read_text(out->name, sizeof out->name, &name_at, err);
     if (result >= 0 && date_at.value)
         result = read_text(out->date, sizeof out->date, &date_at, err);

@@ -86,12 +86,13 @@ static bool has_log(const char *path)
     return has_beside(path, "-wal", 1);
 }
 
-/* Returns true if no user may write the show, and no program is writing it. */
-static bool is_archived(const char *path)
+/* Returns true if this user or no user may write the show, and no program is writing it. The index
+ * of a reader would stay beside the show, and could lock out its owner. */
+static bool is_still(const char *path)
 {
     struct stat status;
-    return stat(path, &status) == 0 && (status.st_mode & 0222) == 0 && !has_log(path) &&
-           !has_beside(path, "-lock", 0);
+    return stat(path, &status) == 0 && ((status.st_mode & 0222) == 0 || access(path, W_OK) != 0) &&
+           !has_log(path) && !has_beside(path, "-lock", 0);
 }
 
 static void add_notice(show *self, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -113,7 +114,7 @@ static void add_notice(show *self, const char *format, ...)
  * show itself is read-only, it cannot remove them. */
 static mrt_result connect_for_reading(show *self, identity *out, error *err)
 {
-    const sqlite_mode mode = is_archived(self->path) ? SQLITE_MODE_READ_FROZEN : SQLITE_MODE_READ;
+    const sqlite_mode mode = is_still(self->path) ? SQLITE_MODE_READ_FROZEN : SQLITE_MODE_READ;
     sqlite_trouble trouble;
     mrt_result result = connect_and_look(&self->db, out, self->path, mode, &trouble, err);
     if (result >= 0 || (trouble != SQLITE_TROUBLE_OPEN && trouble != SQLITE_TROUBLE_READONLY))

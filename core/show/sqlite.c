@@ -43,6 +43,7 @@ struct sqlite {
     sqlite3 *handle;
     char *path;
     bool is_reader, had_index; /* had_index: a -shm existed before */
+    bool must_be_still;        /* read without locks, and no program wrote it at the start */
     int code;                  /* extended code of the last failure */
     uint64_t file_size;
     budget left;
@@ -445,12 +446,18 @@ static int open_handle(sqlite *self, sqlite_mode mode)
     char *uri = uri_of(self->path, mode == SQLITE_MODE_READ_FROZEN);
     if (!uri)
         return SQLITE_NOMEM;
-    int flags = mode_flags[mode] | SQLITE_OPEN_URI | SQLITE_OPEN_FULLMUTEX | SQLITE_OPEN_EXRESCODE;
+    int flags = mode_flags[mode] | SQLITE_OPEN_URI | SQLITE_OPEN_FULLMUTEX;
     int code = guard_init(&self->files, mode == SQLITE_MODE_MAKE);
     self->is_reader = mode == SQLITE_MODE_READ;
     self->had_index = is_there(self->path, "-shm", &ignored);
+    self->must_be_still =
+        mode == SQLITE_MODE_READ_FROZEN && !is_there(self->path, "-lock", &ignored);
     if (code == SQLITE_OK) {
         code = sqlite3_open_v2(uri, &self->handle, flags, self->files.name);
+        if (code != SQLITE_OK && self->handle)
+            code = sqlite3_extended_errcode(self->handle);
+        if (self->handle)
+            (void)sqlite3_extended_result_codes(self->handle, 1);
         (void)sqlite3_vfs_unregister(&self->files.vfs);
     }
     free(uri);
@@ -540,7 +547,7 @@ static void tidy(const sqlite *self)
     if (file_lock_folder(&folder, self->files.path, TIDY_PATIENCE_MS) == FILE_LOCK_BUSY)
         return;
     sqlite3_file *file = calloc(1, (size_t)base->szOsFile);
-    sqlite3_filename name = sqlite3_create_filename(self->files.path, "", "", 0, NULL);
+    const char *name = sqlite3_create_filename(self->files.path, "", "", 0, NULL);
     if (file && name && base->xOpen(base, name, file, flags, &flags) == SQLITE_OK) {
         if (file->pMethods->xLock(file, SQLITE_LOCK_SHARED) == SQLITE_OK &&
             file->pMethods->xLock(file, SQLITE_LOCK_EXCLUSIVE) == SQLITE_OK)
@@ -755,7 +762,11 @@ mrt_result sqlite_step(sqlite_statement *statement, error *err)
     if (!statement)
         return no_memory(err);
     sqlite *self = statement->owner;
+    struct stat ignored;
     int code = statement->bind_code;
+    if (self->must_be_still && is_there(self->path, "-lock", &ignored))
+        return error_set(err, MRT_ERR_IO, "%s: another program began to write it: open it again",
+                         self->path);
     if (code == SQLITE_OK && is_cancelled(self))
         code = SQLITE_INTERRUPT;
     if (code == SQLITE_OK)

@@ -17,8 +17,8 @@ typedef struct sqlite_statement sqlite_statement;
 
 typedef enum sqlite_mode {
     SQLITE_MODE_READ = 0,
-    SQLITE_MODE_READ_FROZEN, /* only the file, without lock or side files; it must not change
-                                meanwhile */
+    SQLITE_MODE_READ_FROZEN, /* only the file, without lock or side files. Statements fail as soon
+                                as a program begins to write the show */
     SQLITE_MODE_WRITE,       /* the file must exist */
     SQLITE_MODE_MAKE         /* the file must be empty or missing */
 } sqlite_mode;

@@ -170,7 +170,7 @@ bool expressions_find(expressions *out, const mrt_face *face, const mrt_host *ho
     if (out->contact_count + out->dof_count == 0) {
         host->log(host, MRT_LOG_ERROR,
                   "the face has no contact or degree of freedom for expressions (mouth.corner.l, "
-                  "jaw.open ...): open a face with a rig, see rigs/README.md");
+                  "jaw.open ...): open a face with a rig");
         return false;
     }
     report_missing(out, host);

@@ -894,7 +894,7 @@ static mrt_result activate(mrt_plugin *self, const mrt_face *face)
         self->host->log(
             self->host, MRT_LOG_ERROR,
             "the face has no contact or degree of freedom that one hand can move (mouth.corner.l, "
-            "jaw.open ...): open a face with a rig, see rigs/README.md");
+            "jaw.open ...): open a face with a rig");
         return MRT_ERR_UNSUPPORTED;
     }
     fitting_report(&self->fitting, self->host);

@@ -544,7 +544,7 @@ static const struct {
     {"/marotte/hand/right/", "expected angles, joint or wrist of a hand"},
     {"/marotte/hand/", "expected left or right after /marotte/hand/"},
     {"/marotte/", "this version of marotte does not support this message"},
-    {"", "not a message of marotte or VMC: see plugins/osc/README.md"},
+    {"", "not a message of marotte or VMC"},
 };
 
 osc_fault osc_event_read(osc_event *out, const osc_message *message)

@@ -141,17 +141,11 @@ void advice_denied(char out[ADVICE_TEXT], const usb_device *device)
 {
     char node[NODE];
     find_node(node, device);
-    if (layouts_find(device->vendor, device->product))
-        snprintf(out, ADVICE_TEXT,
-                 "you have no permission to use %s: run sudo cp plugins/pedal/70-marotte.rules "
-                 "/etc/udev/rules.d/ && " RELOAD,
-                 node);
-    else
-        snprintf(out, ADVICE_TEXT,
-                 "you have no permission to use %s: add SUBSYSTEM==\"usb\", "
-                 "ATTRS{idVendor}==\"%04x\", ATTRS{idProduct}==\"%04x\", TAG+=\"uaccess\" as a "
-                 "line to /etc/udev/rules.d/70-marotte.rules, then " RELOAD,
-                 node, device->vendor, device->product);
+    snprintf(out, ADVICE_TEXT,
+             "you have no permission to use %s: add SUBSYSTEM==\"usb\", "
+             "ATTRS{idVendor}==\"%04x\", ATTRS{idProduct}==\"%04x\", TAG+=\"uaccess\" as a "
+             "line to /etc/udev/rules.d/70-marotte.rules, then run " RELOAD,
+             node, device->vendor, device->product);
 }
 
 void advice_busy(char out[ADVICE_TEXT], const usb_device *device)

@@ -7,6 +7,10 @@ cmake --install "$BUILD_DIR" --prefix "$scratch/first" >"$scratch/log" 2>&1 || {
     cat "$scratch/log"
     finish
 }
+"$scratch/first/bin/marotte" perform --face moai --input log:demo,end=1 --map one_hand --record "$scratch/show.marotte" \
+    >"$scratch/log" 2>&1 || fail "record with the first installation: $(cat "$scratch/log")"
+face=$scratch/first/share/marotte/rigs/moai/moai.rig.json
+echo "{\"looks\": {}, \"last\": {\"face\": \"$face\"}}" >"$scratch/settings.json"
 prefix="$scratch/moved to"
 mv "$scratch/first" "$prefix" && mkdir "$scratch/work" && cd "$scratch/work" || exit 1
 
@@ -24,7 +28,9 @@ for file in bin/marotte bin/marotte-meshload bin/marotte-plugincheck bin/marotte
     [ -s "$prefix/$file" ] || fail "$file is not installed"
 done
 cmp "$SOURCE_DIR/core/include/marotte/plugin.h" "$prefix/include/marotte/plugin.h" || fail "another header"
-grep -rIlF -e "$SOURCE_DIR" -e "$scratch/first" "$prefix" && fail "these name a folder of the build"
+grep -rlF -e "$SOURCE_DIR" -e "$BUILD_DIR" -e "$scratch/first" "$prefix" && fail "these name a folder of the build"
+find "$prefix" -type f -exec sh -c 'readelf -d "$1" 2>/dev/null | grep -E "R(UN)?PATH" | grep -v "\[\$ORIGIN" && echo "$1"' sh {} \; |
+    grep . && fail "these look for libraries in a folder of the build"
 "${alone[@]}" marotte plugin list --params >"$scratch/list" || fail "plugin list"
 for plugin in log anchored unanchored one_hand cyberglove pedal osc camera openxr midi gamepad phone; do
     grep -q "^    from $prefix/lib.*/marotte/plugins/$plugin.so$" "$scratch/list" || fail "$plugin is not found"
@@ -40,6 +46,14 @@ refused 1 "nobody" "${alone[@]}" marotte perform --face nobody --input log:x.csv
 echo nonsense >puppet
 refused 1 "puppet" "${alone[@]}" marotte perform --face puppet --input log:x.csv --map one_hand
 rm puppet
+
+# ---- shows and settings of an installation that lay elsewhere ----
+"${alone[@]}" marotte take export "$scratch/show.marotte" last --export "$scratch/moved.pc2" >"$scratch/log" 2>&1 ||
+    fail "a show of the first installation: $(cat "$scratch/log")"
+"${alone[@]}" marotte stage --hidden --seconds 0.1 --size 320x240 --settings "$scratch/settings.json" --json "$scratch/show2.marotte" \
+    >"$scratch/facts" 2>"$scratch/log" || fail "settings of the first installation: $(cat "$scratch/log")"
+grep -qF "$prefix/share/marotte/rigs/moai/moai.rig.json" "$scratch/settings.json" ||
+    fail "the face of the settings is forgotten: $(cat "$scratch/settings.json" "$scratch/facts")"
 
 # ---- the package: CMake in two standards, pkg-config, C++ ----
 "${alone[@]}" marotte plugin new wave --mapping >"$scratch/said" || fail "plugin new"

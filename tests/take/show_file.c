@@ -518,10 +518,43 @@ static void a_folder_that_cannot_be_written_opens_for_reading(void **state)
 static void a_file_that_cannot_be_written_opens_for_reading(void **state)
 {
     scene *s = *state;
+    char before[LISTING];
     int64_t track = record_some(s->path, 100);
-    assert_int_equal(chmod(s->path, 0444), 0);
     assert_int_equal(chmod(s->folder, 0777), 0);
-    assert_int_equal(as_nobody(s, track, opens_for_reading_and_says_so), 0);
+    for (mode_t mode = 0444; mode <= 0644; mode += 0200) {
+        if (mode != 0444 && geteuid() != 0)
+            continue; /* the owner may write it */
+        assert_int_equal(chmod(s->path, mode), 0);
+        list_folder(s, before);
+        assert_int_equal(as_nobody(s, track, opens_for_reading_and_says_so), 0);
+        expect_unchanged(s, before);
+    }
+}
+
+/* Nobody reads, then its owner writes: what was read without locks is read no further. */
+static int stops_reading_when_another_writes(const scene *s, int64_t track)
+{
+    error err = {""};
+    char lock[SCENE_PATH + 8];
+    show *got;
+    show_performance performed;
+    if (show_open(&got, s->path, SHOW_READ, &err) < 0 || reads_all(got, track, 100) != 0)
+        return 2;
+    (void)snprintf(lock, sizeof lock, "%s-lock", s->path);
+    write_file(lock, "", 0);
+    if (show_performance_read(got, 1, &performed, &err) >= 0)
+        return 3;
+    show_close(got);
+    return strstr(err.text, "another program began to write it") ? 0 : 4;
+}
+
+static void who_may_not_write_stops_reading_when_another_writes(void **state)
+{
+    scene *s = *state;
+    int64_t track = record_some(s->path, 100);
+    assert_int_equal(chmod(s->folder, 0777), 0);
+    assert_int_equal(chmod(s->path, 0444), 0);
+    assert_int_equal(as_nobody(s, track, stops_reading_when_another_writes), 0);
 }
 
 static int says_what_is_missing(const scene *s, int64_t track)
@@ -733,6 +766,7 @@ int main(void)
         TEST(a_killed_program_leaves_no_lock_and_its_take),
         TEST(a_folder_that_cannot_be_written_opens_for_reading),
         TEST(a_file_that_cannot_be_written_opens_for_reading),
+        TEST(who_may_not_write_stops_reading_when_another_writes),
         TEST(a_log_that_cannot_be_read_is_said),
         TEST(an_older_show_becomes_todays),
         TEST(a_newer_show_opens_for_reading_if_it_can_be_read),

@@ -107,7 +107,8 @@ static void errors_name_the_file_the_place_and_what_was_expected(void **state)
 {
     (void)state;
     refused("{\"marotte", "[\"marotte", "anna.json: line 1, column");
-    refused("ion\": 1", "ion\": 2", "anna.json: $.marotte_calibration: expected 1");
+    refused("ion\": 1", "ion\": 2",
+            "anna.json: $.marotte_calibration: was made by a newer marotte");
     refused("ion\": 1,", "ion\": 1, \"name\": \"x\",", "duplicate");
     refused("\"anna\"", "7", "$.name: expected a text of at most 63 bytes");
     refused("\"anna\"", "\"a\\nb\"", "$.name: expected a text");

@@ -222,8 +222,8 @@ static void what_makes_no_sense_is_refused_with_its_place(void **state)
     } cases[] = {
         {"", "not JSON"},
         {"[]", "expected an object, found an array"},
-        {"{}", "$.marotte_patch: expected 1, found nothing"},
-        {"{'marotte_patch':2,'connections':[]}", "$.marotte_patch: expected 1, found 2"},
+        {"{}", "$.marotte_patch: expected 1, the version of the format, found nothing"},
+        {"{'marotte_patch':2,'connections':[]}", "was made by a newer marotte (version 2, this"},
         {"{'marotte_patch':1}", "$.connections: expected an array of at most 64"},
         {"{'marotte_patch':1,'marotte_patch':1,'connections':[]}", "not JSON: duplicate"},
         {"{'marotte_patch':1,'connections':[],'more':1}", "$: unknown key \"more\""},

@@ -133,19 +133,18 @@ static void a_program_is_looked_for_where_this_one_runs(void **state)
     (void)state;
     char found[PATH_MAX];
     error err = {""};
-    /* A file that this test finds only as its build folder's. */
-    assert_int_equal(
-        program_find(found, "marotte-pluginhost", "MAROTTE_TEST_UNSET", BUILD_DIR, "", &err),
-        MRT_OK);
+    /* A file that this test finds only at the top of its build folder. */
+    assert_int_equal(program_find(found, "marotte-pluginhost", "MAROTTE_TEST_UNSET", "", &err),
+                     MRT_OK);
     assert_string_equal(found, BUILD_DIR "/marotte-pluginhost");
-    assert_true(program_find(found, "sh", "MAROTTE_TEST_UNSET", "/bin", "", &err) < 0);
+    assert_true(program_find(found, "sh", "MAROTTE_TEST_UNSET", "", &err) < 0);
     assert_non_null(strstr(err.text, "not beside the program"));
     /* One that is named without a path lies here: what is started looks in $PATH for such. */
     char here[PATH_MAX];
     assert_non_null(getcwd(here, sizeof here));
     assert_int_equal(chdir(BUILD_DIR), 0);
     assert_int_equal(setenv("MAROTTE_TEST_SET", "marotte-pluginhost", 1), 0);
-    assert_int_equal(program_find(found, "x", "MAROTTE_TEST_SET", "/bin", "", &err), MRT_OK);
+    assert_int_equal(program_find(found, "x", "MAROTTE_TEST_SET", "", &err), MRT_OK);
     assert_string_equal(found, "./marotte-pluginhost");
     assert_int_equal(chdir(here), 0);
 }
@@ -183,6 +182,8 @@ static void folders_of_the_person_are_made(void **state)
     assert_true(stat(made, &status) == 0 && S_ISDIR(status.st_mode));
     assert_int_equal(setenv("XDG_CACHE_HOME", "relative", 1), 0);
     assert_int_equal(unsetenv("HOME"), 0);
+    assert_int_equal(unsetenv("XDG_DOCUMENTS_DIR"), 0);
+    assert_true(file_home_path(made, sizeof made, FILE_HOME_DOCUMENTS, "x", &err) < 0);
     assert_true(file_home_path(made, sizeof made, FILE_HOME_CACHE, "x", &err) < 0);
     for (char *slash = path + strlen(path); slash > path + strlen(folder) - 1;) {
         assert_int_equal(rmdir(path), 0);
@@ -191,6 +192,43 @@ static void folders_of_the_person_are_made(void **state)
         if (strcmp(path, folder) == 0)
             break;
     }
+    assert_int_equal(rmdir(folder), 0);
+}
+
+static void documents_are_where_the_desktop_says(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *lines, *documents; /* NULL: no file */
+    } cases[] = {
+        {NULL, "/home/ada"},
+        {"# a comment\nXDG_MUSIC_DIR=\"$HOME/Musik\"\nXDG_DOCUMENTS_DIR=\"$HOME/Dokumente\"\n",
+         "/home/ada/Dokumente"},
+        {"  XDG_DOCUMENTS_DIR=\"/mnt/my \\\"own\\\" files\"", "/mnt/my \"own\" files"},
+        {"XDG_DOCUMENTS_DIR=\"/first\"\nXDG_DOCUMENTS_DIR=\"/second\"\n", "/second"},
+        {"XDG_DOCUMENTS_DIR=\"relative\"\n", "/home/ada"},
+        {"XDG_DOCUMENTS_DIR=\"/has no end\nXDG_MUSIC_DIR=\"/x\"\n", "/home/ada"},
+        {"#XDG_DOCUMENTS_DIR=\"/commented\"\n", "/home/ada"},
+    };
+    char folder[] = "/tmp/marotte-program-XXXXXX", path[128], made[256], expected[256];
+    error err = {""};
+    assert_non_null(mkdtemp(folder));
+    (void)snprintf(path, sizeof path, "%s/user-dirs.dirs", folder);
+    assert_int_equal(setenv("XDG_CONFIG_HOME", folder, 1), 0);
+    assert_int_equal(setenv("HOME", "/home/ada", 1), 0);
+    assert_int_equal(unsetenv("XDG_DOCUMENTS_DIR"), 0);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        const char *lines = cases[i].lines;
+        if (lines)
+            assert_int_equal(file_write(path, lines, strlen(lines), &err), MRT_OK);
+        assert_int_equal(file_home_path(made, sizeof made, FILE_HOME_DOCUMENTS, "a", &err), MRT_OK);
+        (void)snprintf(expected, sizeof expected, "%s/marotte/a", cases[i].documents);
+        assert_string_equal(made, expected);
+    }
+    assert_int_equal(setenv("XDG_DOCUMENTS_DIR", "/chosen", 1), 0);
+    assert_int_equal(file_home_path(made, sizeof made, FILE_HOME_DOCUMENTS, "a", &err), MRT_OK);
+    assert_string_equal(made, "/chosen/marotte/a");
+    assert_int_equal(unlink(path), 0);
     assert_int_equal(rmdir(folder), 0);
 }
 
@@ -246,6 +284,7 @@ int main(void)
         cmocka_unit_test(a_program_is_looked_for_where_this_one_runs),
         cmocka_unit_test(a_written_file_has_the_mode_that_the_umask_gives),
         cmocka_unit_test(folders_of_the_person_are_made),
+        cmocka_unit_test(documents_are_where_the_desktop_says),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

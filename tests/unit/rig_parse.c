@@ -286,7 +286,7 @@ static void what_is_no_rig_is_refused(void **state)
     } cases[] = {{"", "is not JSON"},
                  {"[1]", "expected an object"},
                  {"{\"mesh\": \"a\"}", "this is not a rig file"},
-                 {"{\"marotte_rig\": 2, \"mesh\": \"a\"}", "expected 1"},
+                 {"{\"marotte_rig\": 0, \"mesh\": \"a\"}", "expected 1"},
                  {"{\"marotte_rig\": 1}", "$.mesh: expected the file name"},
                  {"{\"marotte_rig\": 1,\n \"mesh\": \"a\" \"b\"}", "line 2"},
                  {"{\"marotte_rig\": 1, \"marotte_rig\": 1, \"mesh\": \"a\"}", "uplicate"},

@@ -121,6 +121,33 @@ static void keys_of_another_version_are_kept(void **state)
     file_bytes_finish(&bytes);
 }
 
+static void settings_of_a_newer_marotte_are_read_and_not_changed(void **state)
+{
+    (void)state;
+    static const char newer[] = "{\"looks\": {\"panel\": 4}, \"version\": 2}";
+    char note[256];
+    error err = {0};
+    write_text(newer);
+    settings *s = open_settings(note, sizeof note);
+    assert_non_null(strstr(note, "was written by a newer marotte"));
+    assert_float_equal(settings_number(s, "looks.panel", 0), 4, 0);
+    settings_set_number(s, "looks.panel", 2);
+    assert_int_equal(settings_write_last(s, &err), MRT_OK);
+    settings_close(s);
+    assert_holds(path, newer);
+    /* It was updated while this one ran. */
+    assert_int_equal(unlink(path), 0);
+    s = open_settings(note, sizeof note);
+    assert_string_equal(note, "");
+    write_text(newer);
+    settings_set_number(s, "looks.panel", 2);
+    assert_true(settings_write_last(s, &err) < 0);
+    assert_non_null(strstr(err.text, "was written by a newer marotte"));
+    settings_close(s);
+    assert_holds(path, newer);
+    assert_int_equal(unlink(path), 0);
+}
+
 static void a_damaged_default_file_is_renamed_with_a_note_and_over_nothing(void **state)
 {
     (void)state;
@@ -434,6 +461,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_was_set_comes_back),
         cmocka_unit_test(keys_of_another_version_are_kept),
+        cmocka_unit_test(settings_of_a_newer_marotte_are_read_and_not_changed),
         cmocka_unit_test(a_damaged_default_file_is_renamed_with_a_note_and_over_nothing),
         cmocka_unit_test(a_named_file_that_is_no_settings_file_is_refused),
         cmocka_unit_test(a_link_to_settings_stays_a_link),

@@ -558,9 +558,7 @@ static mrt_result show_poses(const showing *s, const face_file *f, error *err)
     rig_poses_stage stage;
     uint32_t count;
     if (f->rig->pose_count == 0)
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s: the rig has no poses ($.poses); rigs/rig_format.md explains them",
-                         s->path);
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: the rig has no poses ($.poses)", s->path);
     mrt_result result = choose_poses(&count, s, f->rig, err);
     if (result >= 0)
         result = rig_poses_stage_init(&stage, f->rig, &f->mesh, &f->topology, err);

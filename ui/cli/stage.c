@@ -418,7 +418,7 @@ static int print_help(int argc, char **argv)
         "Opens the stage: a window with a face that hands perform, live and over takes. FILE is a\n"
         "show (.marotte, created if it does not exist), a face (.rig.json .glb .vrm .obj ...), a\n"
         "recording of hands (.csv), a sound or a picture. Without a show the last one is opened,\n"
-        "or a new one in $XDG_DOCUMENTS_DIR/marotte. Press ? in the window for its keys.\n"
+        "or a new one in Documents/marotte. Press ? in the window for its keys.\n"
         "\n"
         "  --face FILE      a rig, a head, or puppet, moai (the show's, or the last one)\n"
         "  --map SPEC       the mapping: one_hand,smile_gain=130 (the last one)\n"

@@ -630,7 +630,7 @@ static const take_verb play_verbs[] = {
     {"log", "SHOW TAKE",
      "  --track N      the track's number (marotte take show); optional if there is one\n"
      "  --out FILE.csv\n"
-     "plugins/log/README.md describes the table. --input log:FILE.csv performs it.\n",
+     "marotte perform --input log:FILE.csv performs the table.\n",
      "write the raw samples of a track as a table", "track out", TAKE_READS, .run = take_log_run,
      .examples = "take log show.marotte 2 --out out/samples.csv\n"
                  "take log show.marotte 1 --track 1 --out out/first.csv\n"},

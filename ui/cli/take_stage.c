@@ -3,6 +3,7 @@
 #include "base/cancel.h"
 #include "base/clock.h"
 #include "base/file.h"
+#include "base/installed.h"
 #include "base/text.h"
 #include "cli/terminal.h"
 #include "show/edit_store.h"
@@ -118,11 +119,14 @@ mrt_result take_face_read(face_file *out, char **out_path, take_call *call, cons
     if (result < 0)
         return result;
     char packed[PATH_MAX];
-    const char *path = other ? other : of.performance.rig;
+    char *kept = installed_kept_face(of.performance.rig);
+    const char *path = other ? other : kept;
     error change = {""};
-    if (!other)
+    if (!kept)
+        result = error_set(err, MRT_ERR_MEMORY, "no memory");
+    else if (!other)
         result = pack_find(packed, show_path(call->show), &of.performance, err);
-    if (!other && result == MRT_OK)
+    if (!other && result == MRT_OK && kept)
         path = packed;
     if (!other && result == MRT_END && access(path, F_OK) != 0)
         result = error_set(err, MRT_ERR_IO,
@@ -140,6 +144,7 @@ mrt_result take_face_read(face_file *out, char **out_path, take_call *call, cons
     if (result >= 0 && change.text[0])
         fprintf(stderr, "note: %s changed since take %lld was recorded. The current file is used\n",
                 change.text, (long long)t->id);
+    free(kept);
     show_performance_finish(&of);
     return result;
 }

@@ -120,15 +120,6 @@ static const figure to_the_letter[] = {
      "Likewise, with one step for each sample, however quick the hand."},
 };
 
-/* Finds a recording that comes with marotte: in the source tree, else in the installation. */
-static void name_recording(char out[INSTALLED_LENGTH], const char *file)
-{
-    char cloned[INSTALLED_LENGTH];
-    (void)snprintf(cloned, sizeof cloned, "plugins/log/%s", file);
-    if (access(cloned, R_OK) == 0 || !installed_data(out, file))
-        memcpy(out, cloned, sizeof cloned);
-}
-
 static double fact_of(const json_t *told, const char *key)
 {
     return json_number_value(json_object_get(told, key));
@@ -189,18 +180,17 @@ static void add_command(paper *of, const figure *f, const char *const *word)
 
 static mrt_result add_figure(paper *of, const figure *f, error *err)
 {
-    char path[PATH_MAX], file[INSTALLED_LENGTH], right[INSTALLED_LENGTH + 8],
-        left[INSTALLED_LENGTH + 8];
+    char path[PATH_MAX];
     json_t *told;
     mrt_result result = paper_add_file(of, path, f->file, err);
     if (result < 0)
         return result;
-    name_recording(file, "demo_hand.csv");
-    (void)snprintf(right, sizeof right, "log:%s", file);
-    name_recording(file, "demo_left_hand.csv");
-    (void)snprintf(left, sizeof left, "log:%s", file);
-    const char *word[WORDS_MAX] = {"marotte", "perform", "--face", "moai", "--input",  right,
-                                   "--input", left,      "--map",  f->map, "--export", path};
+    const char *word[WORDS_MAX] = {"marotte",  "perform",
+                                   "--face",   "moai",
+                                   "--input",  "log:demo_hand.csv",
+                                   "--input",  "log:demo_left_hand.csv",
+                                   "--map",    f->map,
+                                   "--export", path};
     int count = 12;
     if (of->is_quick) {
         static const char *const quick[] = {"--seconds", "2", "--size", "480x240"};

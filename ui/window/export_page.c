@@ -1,4 +1,5 @@
 #include "window/export_page.h"
+#include "base/file.h"
 #include "draw/scenery.h"
 #include "io/export_formats.h"
 #include "stream/video.h"
@@ -89,13 +90,17 @@ static void put_ending(export_page *self)
         (void)snprintf(file + length, sizeof self->file - length, "%s", wanted);
 }
 
-/* Beside the show, called as the take. */
+/* Called as the take: beside the show, or in the folder for documents if files cannot be written
+ * there. */
 static void put_name(export_page *self)
 {
+    static const char name[] = "{show}_{slate}";
     const char *of = app_show(self->app) ? show_path(app_show(self->app)) : "";
-    const char *slash = strrchr(of, '/');
-    (void)snprintf(self->file, EXPORT_FILE, "%.*s{show}_{slate}", slash ? (int)(slash - of) + 1 : 0,
-                   of);
+    char *folder = file_directory(of);
+    if (!folder || access(folder[0] ? folder : ".", W_OK) == 0 ||
+        file_home_path(self->file, EXPORT_FILE, FILE_HOME_DOCUMENTS, name, NULL) < 0)
+        (void)snprintf(self->file, EXPORT_FILE, "%s%s", folder ? folder : "", name);
+    free(folder);
 }
 
 static uint32_t index_of(const look *from, uint32_t count, const char *option)

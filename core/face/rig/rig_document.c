@@ -107,9 +107,7 @@ static mrt_result check_version(const json_node *root, error *err)
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: expected 1, the version of the format; this is not a rig file",
                          version.path.text);
-    if (!json_is_integer(version.value) || json_integer_value(version.value) != 1)
-        return json_node_unexpected(err, &version, "1, the version that this program reads");
-    return MRT_OK;
+    return json_node_version(root, "marotte_rig", err);
 }
 
 static mrt_result read_unit(rig_file *file, const json_node *root, error *err)

@@ -99,8 +99,7 @@ typedef struct child_output {
 
 static mrt_result find_program(char out[PATH_MAX], error *err)
 {
-    return program_find(out, "marotte-meshload", "MAROTTE_MESHLOAD", MAROTTE_BUILD_DIR,
-                        "it reads this format", err);
+    return program_find(out, "marotte-meshload", "MAROTTE_MESHLOAD", "it reads this format", err);
 }
 
 static bool write_all(int fd, const char *at, size_t size)

@@ -20,7 +20,7 @@ static const int64_t spin_ns = 5000, slice_ns = 20 * NS_PER_MS;
 
 static mrt_result find_program(char out[PATH_MAX], error *err)
 {
-    return program_find(out, "marotte-pluginhost", "MAROTTE_PLUGINHOST", MAROTTE_BUILD_DIR,
+    return program_find(out, "marotte-pluginhost", "MAROTTE_PLUGINHOST",
                         "isolated plugins run in it (or use --isolate off)", err);
 }
 

@@ -167,14 +167,13 @@ static mrt_result read_connections(patch *out, const json_node *root, error *err
 static mrt_result read_patch(patch *out, const json_node *root, error *err)
 {
     static const char *const keys[] = {"marotte_patch", "name", "about", "connections", NULL};
-    json_node version = json_node_member(root, "marotte_patch");
     json_node about = json_node_member(root, "about");
     mrt_result result = json_node_object(root, "an object", err);
     if (result < 0)
         return result;
-    if (!json_is_integer(version.value) || json_integer_value(version.value) != 1)
-        return json_node_unexpected(err, &version, "1");
-    result = check_keys(root, keys, err);
+    result = json_node_version(root, "marotte_patch", err);
+    if (result >= 0)
+        result = check_keys(root, keys, err);
     if (result >= 0 && about.value && !json_is_string(about.value))
         return json_node_unexpected(err, &about, "a text");
     if (result >= 0)

@@ -516,11 +516,11 @@ mrt_result app_open_input(app *self, const char *text)
 
 bool app_demo_hand(char out[APP_DEMO_TEXT])
 {
+    static const char recording[] =
+        "demo_hand.csv"; /* a name: the settings keep it over an upgrade */
     char path[INSTALLED_LENGTH];
-    if (!installed_data(path, "demo_hand.csv"))
-        return false;
-    (void)snprintf(out, APP_DEMO_TEXT, "log:%s,loop=1", path);
-    return true;
+    (void)snprintf(out, APP_DEMO_TEXT, "log:%s,loop=1", recording);
+    return installed_data(path, recording);
 }
 
 uint32_t app_openings(app *self, input_opening out[INPUT_OPENINGS_MAX])

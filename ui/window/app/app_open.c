@@ -233,24 +233,15 @@ static mrt_result open_or_make(show **out, const char *path, error *err)
 /* A show named by today's date, in the folder for documents. */
 static mrt_result make_show(show **out, error *err)
 {
-    const char *documents = getenv("XDG_DOCUMENTS_DIR"), *home = getenv("HOME");
-    const char *above = documents && documents[0] == '/' ? documents : home;
-    char path[APP_PATH], day[24];
+    char path[APP_PATH], name[32];
     struct tm now;
     const time_t seconds = time(NULL);
-    if (!above || above[0] != '/')
-        return error_set(err, MRT_ERR_IO,
-                         "no folder for shows was found: start marotte with the path of a show, "
-                         "marotte NAME.marotte");
-    (void)snprintf(path, sizeof path, "%.*s/marotte", (int)sizeof path - 64, above);
-    if (mkdir(path, 0755) != 0 && errno != EEXIST)
-        return error_set(err, MRT_ERR_IO, "%s: cannot create the folder for shows: %s", path,
-                         strerror(errno));
-    if (!localtime_r(&seconds, &now) || strftime(day, sizeof day, "%Y-%m-%d", &now) == 0)
-        (void)snprintf(day, sizeof day, "show");
-    const size_t length = strlen(path);
-    (void)snprintf(path + length, sizeof path - length, "/%s.marotte", day);
-    return open_or_make(out, path, err);
+    if (!localtime_r(&seconds, &now) || strftime(name, sizeof name, "%Y-%m-%d.marotte", &now) == 0)
+        (void)snprintf(name, sizeof name, "show.marotte");
+    mrt_result result = file_home_path(path, sizeof path, FILE_HOME_DOCUMENTS, name, err);
+    if (result >= 0)
+        result = file_make_parent(path, err);
+    return result < 0 ? result : open_or_make(out, path, err);
 }
 
 static void keep_show_path(app *self)
@@ -597,6 +588,15 @@ static char *path_of_face(const char *given)
     return real ? real : strdup(given);
 }
 
+/* Copies the path of a face that a show or the settings keep, if it is still there; else "". */
+static void find_kept_face(char out[APP_PATH], const char *path)
+{
+    char *found = path[0] ? installed_kept_face(path) : NULL;
+    const bool is_usable = found && strlen(found) < APP_PATH && exists(found);
+    (void)snprintf(out, APP_PATH, "%s", is_usable ? found : "");
+    free(found);
+}
+
 /* Tells a single note; of several only how many, as the rig panel lists them. */
 static void tell_face(app *self)
 {
@@ -757,8 +757,9 @@ static void *read_ahead(void *data)
 
 app_face_ahead *app_face_ahead_start(const char *face_path, const settings *kept)
 {
-    const char *last = settings_text(kept, "last.face", "");
-    const char *path = face_path ? face_path : exists(last) ? last : DEFAULT_FACE;
+    char last[APP_PATH];
+    find_kept_face(last, settings_text(kept, "last.face", ""));
+    const char *path = face_path ? face_path : last[0] ? last : DEFAULT_FACE;
     app_face_ahead *self = calloc(1, sizeof *self);
     if (!self)
         return NULL;
@@ -849,9 +850,8 @@ static void face_of_show(app *self, show *s, char out[APP_PATH])
         path = result == MRT_OK ? packed : path;
         if (result < 0) /* a pack that does not verify: do not use the recorded path either */
             app_say(self, MRT_LOG_ERROR, "%s", err.text);
-        else if (path && (result == MRT_OK || path[0] == '/') && strlen(path) < APP_PATH &&
-                 exists(path))
-            (void)snprintf(out, APP_PATH, "%s", path);
+        else if (path && (result == MRT_OK || path[0] == '/'))
+            find_kept_face(out, path);
         show_performance_finish(&newest);
     }
     free(ids);
@@ -859,15 +859,13 @@ static void face_of_show(app *self, show *s, char out[APP_PATH])
 
 static void choose_faces(app *self, const app_options *options, face_reading *out)
 {
-    const char *last = settings_text(self->settings, "last.face", "");
     out->must_be_first = options->face_path != NULL;
     if (options->face_path) {
         (void)snprintf(out->path[0], APP_PATH, "%s", options->face_path);
         return;
     }
     face_of_show(self, self->show, out->path[0]);
-    if (exists(last))
-        (void)snprintf(out->path[1], APP_PATH, "%s", last);
+    find_kept_face(out->path[1], settings_text(self->settings, "last.face", ""));
     (void)snprintf(out->path[2], APP_PATH, "%s", DEFAULT_FACE);
 }
 

@@ -215,8 +215,8 @@ mrt_result exporter_begin(exporter *self, const char *show_path, int64_t take,
     *one = (job){.call = what, .going = {.done = -1.0, .is_waiting = true}};
     (void)snprintf(one->going.file, sizeof one->going.file, "%s", request->file);
     make_call(what, show_path, take, face_path, request);
-    mrt_result result = program_find(what->program, "marotte", "MAROTTE", MAROTTE_BUILD_DIR,
-                                     "it is exporting takes", err);
+    mrt_result result =
+        program_find(what->program, "marotte", "MAROTTE", "it is exporting takes", err);
     if (result >= 0 && running(self) < RUNNING_MAX)
         result = begin_job(one, err);
     if (result >= 0) {

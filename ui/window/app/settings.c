@@ -20,11 +20,13 @@ enum {
     KEY_MAX = 256,
     DUMP_FLAGS = JSON_INDENT(2) | JSON_SORT_KEYS,
     ASIDE_NAMES = 100,
+    VERSION = 1, /* of the file; raised when an older program would spoil it */
     LAST_PATIENCE_MS = 5000
 };
 
 /* A key that every settings file of marotte has: by it a file is known as one. */
 static const char own_key[] = "looks";
+static const char version_key[] = "version";
 
 struct settings {
     char *path, *folder; /* path "": no file */
@@ -38,6 +40,7 @@ struct settings {
 typedef enum content {
     CONTENT_NONE = 0, /* no file yet */
     CONTENT_SETTINGS,
+    CONTENT_NEWER,     /* settings that a newer marotte wrote: read, never written */
     CONTENT_FOREIGN,   /* a file with other content, or damaged */
     CONTENT_UNREADABLE /* no permission, a folder, a device, a link that leads nowhere */
 } content;
@@ -58,8 +61,8 @@ static bool is_settings(const settings *self, const json_t *root)
            (!self->is_named || json_object_size(root) == 0 || json_object_get(root, own_key));
 }
 
-/* out_root: only with CONTENT_SETTINGS. why: a sentence with the path where it is neither settings
- * nor absent. */
+/* out_root: only with CONTENT_SETTINGS and CONTENT_NEWER. why: a sentence with the path, unless it
+ * is CONTENT_SETTINGS or absent. */
 static content read_content(const settings *self, json_t **out_root, error *why)
 {
     file_bytes bytes;
@@ -76,7 +79,12 @@ static content read_content(const settings *self, json_t **out_root, error *why)
     file_bytes_finish(&bytes);
     if (is_settings(self, root)) {
         *out_root = root;
-        return CONTENT_SETTINGS;
+        if (json_integer_value(json_object_get(root, version_key)) <= VERSION)
+            return CONTENT_SETTINGS;
+        (void)error_set(why, MRT_ERR_UNSUPPORTED,
+                        "%s: was written by a newer marotte, so this one does not change it",
+                        self->path);
+        return CONTENT_NEWER;
     }
     (void)error_set(why, MRT_ERR_FORMAT, "%s: is not a settings file of marotte (line %d: %s)",
                     self->path, root ? 1 : where.line,
@@ -118,9 +126,17 @@ static mrt_result read_file(settings *self, char *out_note, size_t capacity, err
     const content found = self->path[0] ? read_content(self, &root, &why) : CONTENT_NONE;
     if (found == CONTENT_NONE)
         return MRT_OK;
-    if (found == CONTENT_SETTINGS) {
+    if (root) {
         json_decref(self->root);
         self->root = root;
+    }
+    if (found == CONTENT_SETTINGS)
+        return MRT_OK;
+    if (found == CONTENT_NEWER) {
+        (void)snprintf(out_note, capacity, "%s. Changes of the settings are lost at the end",
+                       why.text);
+        text_make_printable(out_note);
+        self->path[0] = '\0';
         return MRT_OK;
     }
     if (self->is_named)
@@ -175,6 +191,11 @@ static json_t *merge(const settings *self, error *err)
     error why = {""};
     json_t *root, *value;
     const content found = read_content(self, &root, &why);
+    if (found == CONTENT_NEWER) {
+        json_decref(root);
+        (void)error_set(err, MRT_ERR_UNSUPPORTED, "%s", why.text);
+        return NULL;
+    }
     if (found == CONTENT_UNREADABLE ||
         (found == CONTENT_FOREIGN && (self->is_named || !set_aside(self, aside)))) {
         (void)refuse(&why, err);
@@ -186,6 +207,8 @@ static json_t *merge(const settings *self, error *err)
         write_value(root, key, json_is_null(value) ? NULL : json_incref(value));
     if (root && !json_object_get(root, own_key))
         (void)json_object_set_new(root, own_key, json_object());
+    if (root)
+        (void)json_object_set_new(root, version_key, json_integer(VERSION));
     if (!root)
         (void)error_set(err, MRT_ERR_MEMORY, "%s: no memory to write it", self->path);
     return root;

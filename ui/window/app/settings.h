@@ -1,7 +1,8 @@
 /* window/app/settings.h - what is kept between runs: a small JSON file in the user's configuration
  * folder ($XDG_CONFIG_HOME/marotte/window.json). Several stages may share the file: each writes
  * only the keys that it changed into what the file holds by then, under a lock, beside it and
- * renamed. Keys of a newer version are kept. [main] */
+ * renamed. Unknown keys are kept. A file with a newer "version" is read and never written. [main]
+ */
 #ifndef MAROTTE_UI_WINDOW_APP_SETTINGS_H
 #define MAROTTE_UI_WINDOW_APP_SETTINGS_H
 #include "base/error.h"
