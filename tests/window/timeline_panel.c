@@ -78,6 +78,7 @@ static void escape_cancels_a_drag(void **state)
     stand_button(s, 0, true);
     stand_move(s, stand_x(s, 7.5), stand_y(s, 0));
     near_s(timeline_take(s->panel)->layer[1].clip[1].start_ns, 6.0, 0.05); /* is shown */
+    near_s(s->preview.layer[1].clip[1].start_ns, 6.0, 0.05);               /* by the face, too */
     assert_int_equal(s->take.layer[1].clip[1].start_ns, 4 * help_s);       /* is not made */
     stand_key(s, UI_KEY_ESCAPE, true);
     stand_key(s, UI_KEY_ESCAPE, false);
@@ -85,6 +86,91 @@ static void escape_cancels_a_drag(void **state)
     stand_button(s, 0, false);
     assert_int_equal(s->step_count, 0);
     assert_ptr_equal(timeline_take(s->panel), &s->take);
+    assert_int_equal(s->preview.id, 0);
+    stand_close(s);
+}
+
+static void hold_drag(stand *s, float x0, float y0, float x1, float y1)
+{
+    stand_move(s, x0, y0);
+    stand_settle(s);
+    stand_button(s, 0, true);
+    stand_move(s, 0.5f * (x0 + x1), 0.5f * (y0 + y1));
+    stand_move(s, x1, y1);
+    stand_settle(s);
+}
+
+/* The value under the hand, before it is let go; a pointer that rests changes nothing again. */
+static void gain_speed_and_fades_are_on_the_face_while_they_are_dragged(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    const ui_rectangle box = timeline_gain_box(&s->panel->rows, &s->panel->rows.row[0]);
+    const float top = s->panel->rows.row[0].y + 6.0f;
+    hold_drag(s, box.x + 40.0f, box.y + 8.0f, box.x + 10.0f, box.y + 8.0f);
+    assert_float_equal(s->preview.layer[1].gain, 0.75, 1e-9);
+    assert_float_equal(s->take.layer[1].gain, 1.0, 1e-9);
+    const uint32_t before = s->preview_count;
+    stand_settle(s);
+    assert_int_equal(s->preview_count, before);
+    assert_int_equal(s->step_count, 0);
+    stand_button(s, 0, false);
+    assert_int_equal(s->step_count, 1);
+    assert_int_equal(s->preview.id, 0);
+    hold_drag(s, stand_x(s, 1.06), top, stand_x(s, 2.06), top);
+    near_s(s->preview.layer[1].clip[0].fade_in_ns, 1.0, 0.06);
+    stand_button(s, 0, false);
+    assert_int_equal(s->step_count, 2);
+    stand_key(s, UI_KEY_CONTROL, true);
+    hold_drag(s, stand_x(s, 6.97), stand_y(s, 0), stand_x(s, 8.97), stand_y(s, 0));
+    near_s(s->preview.layer[1].clip[1].end_ns, 9.0, 0.05);
+    stand_key(s, UI_KEY_CONTROL, false);
+    stand_key(s, UI_KEY_ESCAPE, true);
+    stand_key(s, UI_KEY_ESCAPE, false);
+    stand_button(s, 0, false);
+    assert_int_equal(s->preview.id, 0);
+    assert_int_equal(s->step_count, 2);
+    stand_close(s);
+}
+
+static bool has_words(stand *s, const char *part)
+{
+    const ui_word *words;
+    const uint32_t count = ui_words(s->ui, &words);
+    for (uint32_t i = 0; i < count; ++i)
+        if (strstr(words[i].text, part))
+            return true;
+    return false;
+}
+
+/* As dragging does: one step at Change, none at Esc; what is not possible is said there. */
+static void the_sliders_of_a_clip_are_on_the_face_too(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    stand_double_click(s, stand_x(s, 5.5), stand_y(s, 0));
+    const ui_word *gain = stand_word(s, "Gain");
+    assert_non_null(gain);
+    const float x = gain->where.x + 150.0f, y = gain->where.y + 8.0f;
+    hold_drag(s, x, y, x + 60.0f, y);
+    assert_true(s->preview.layer[1].clip[1].gain > 1.05);
+    assert_int_equal(s->step_count, 0);
+    stand_button(s, 0, false);
+    stand_key(s, UI_KEY_ESCAPE, true);
+    stand_key(s, UI_KEY_ESCAPE, false);
+    stand_settle(s);
+    assert_int_equal(s->preview.id, 0);
+    assert_int_equal(s->step_count, 0);
+    stand_double_click(s, stand_x(s, 5.5), stand_y(s, 0));
+    hold_drag(s, x, y, x + 60.0f, y);
+    stand_button(s, 0, false);
+    stand_click_word(s, "Change");
+    assert_int_equal(s->step_count, 1);
+    assert_true(s->take.layer[1].clip[1].gain > 1.05);
+    stand_double_click(s, stand_x(s, 5.5), stand_y(s, 0));
+    s->panel->number[3] = 5000.0; /* longer than the clip */
+    stand_settle(s);
+    assert_true(has_words(s, "longer"));
     stand_close(s);
 }
 
@@ -521,6 +607,8 @@ int main(void)
         cmocka_unit_test(a_clip_is_dragged_in_time_in_one_step),
         cmocka_unit_test(a_click_chooses_and_changes_nothing),
         cmocka_unit_test(escape_cancels_a_drag),
+        cmocka_unit_test(gain_speed_and_fades_are_on_the_face_while_they_are_dragged),
+        cmocka_unit_test(the_sliders_of_a_clip_are_on_the_face_too),
         cmocka_unit_test(edges_trim_and_with_ctrl_retime),
         cmocka_unit_test(upper_corners_fade),
         cmocka_unit_test(a_clip_goes_to_another_layer),

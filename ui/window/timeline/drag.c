@@ -308,6 +308,17 @@ static bool try_edit(take *out, const take *t, const edit *e, error *err)
     return false;
 }
 
+/* Compares the arguments that drags set. */
+static bool is_same_edit(const edit *a, const edit *b)
+{
+    return a->kind == b->kind && a->clip == b->clip && a->layer == b->layer &&
+           a->marker == b->marker && a->place == b->place && a->start_ns == b->start_ns &&
+           a->end_ns == b->end_ns && a->at_ns == b->at_ns && a->offset_ns == b->offset_ns &&
+           a->fade_in_ns == b->fade_in_ns && a->fade_out_ns == b->fade_out_ns &&
+           !(a->gain < b->gain || a->gain > b->gain) &&
+           !(a->speed < b->speed || a->speed > b->speed);
+}
+
 void timeline_drag_to(timeline_drag *self, const take *t, const timeline_snap *snap, int64_t at_ns,
                       uint32_t onto_layer, float points)
 {
@@ -315,9 +326,12 @@ void timeline_drag_to(timeline_drag *self, const take *t, const timeline_snap *s
     take preview;
     make(&wanted, self, t, snap, at_ns, onto_layer, points);
     self->why.text[0] = '\0';
+    if (is_same_edit(&wanted, &self->made))
+        return;
     if (wanted.kind == EDIT_NONE) {
         take_finish(&self->preview);
         self->made = wanted;
+        self->edition += 1;
         return;
     }
     if (!try_edit(&preview, t, &wanted, &self->why)) {
@@ -327,6 +341,23 @@ void timeline_drag_to(timeline_drag *self, const take *t, const timeline_snap *s
     take_finish(&self->preview);
     self->preview = preview;
     self->made = wanted;
+    self->edition += 1;
+}
+
+bool timeline_drag_moves_face(const timeline_drag *self)
+{
+    switch (self->kind) {
+    case TIMELINE_DRAG_NONE:
+    case TIMELINE_DRAG_MARKER:
+    case TIMELINE_DRAG_SOUND:
+    case TIMELINE_DRAG_SOUND_START:
+    case TIMELINE_DRAG_SOUND_END:
+        return false;
+    case TIMELINE_DRAG_GAIN:
+        return self->layer != 0;
+    default:
+        return true;
+    }
 }
 
 const take *timeline_drag_shown(const timeline_drag *self, const take *t)

@@ -35,6 +35,7 @@ typedef struct timeline_drag {
     int64_t sound_ns;   /* duration of the take's sound; 0: unknown */
     take preview;       /* take after the edit; id 0: no change */
     edit made;          /* EDIT_NONE: no change */
+    uint32_t edition;   /* grows with each change of `made` */
     int64_t snapped_ns; /* snap target for drawing; INT64_MIN: none */
     error why;          /* why the edit is not possible; may be "" */
 } timeline_drag;
@@ -52,6 +53,8 @@ void timeline_drag_begin(timeline_drag *out, timeline_drag_kind kind, const take
  * none. points: horizontal movement since the start (gain). */
 void timeline_drag_to(timeline_drag *self, const take *t, const timeline_snap *snap, int64_t at_ns,
                       uint32_t onto_layer, float points);
+/* Whether the drag changes the face: not the sound or a marker. */
+bool timeline_drag_moves_face(const timeline_drag *self);
 /* Returns the take to draw. */
 const take *timeline_drag_shown(const timeline_drag *self, const take *t);
 void timeline_drag_finish(timeline_drag *self); /* accepts zeroed memory */

@@ -320,6 +320,8 @@ void timeline_ask_clip(panel *self, ui *on, uint32_t id)
     self->number[2] = clip->smooth_s * 1000.0;
     self->number[3] = (double)clip->fade_in_ns * 1e-6;
     self->number[4] = (double)clip->fade_out_ns * 1e-6;
+    memcpy(self->previewed, self->number, sizeof self->previewed);
+    self->clip_why.text[0] = '\0';
     ui_dialog_open(on, "timeline_clip");
 }
 
@@ -328,38 +330,74 @@ static int64_t ns_of_ms(double ms)
     return (int64_t)floor(ms * 1e6 + 0.5);
 }
 
-static void answer_clip(panel *self)
+enum { CLIP_EDITS = 4 };
+
+/* Makes the edits that give the clip the values of the dialog; only those that change it. */
+static uint32_t make_clip_edits(const panel *self, edit out[CLIP_EDITS])
 {
     const take *t = app_take(self->app);
     const take_layer *lane;
     const take_clip *clip = t ? timeline_clip(t, self->asked_clip, &lane) : NULL;
-    edit made[4];
-    const edit *list[4];
     uint32_t count = 0;
     if (!clip)
-        return;
-    static const edit_kind kind[4] = {EDIT_CLIP_SPEED, EDIT_CLIP_GAIN, EDIT_CLIP_SMOOTH,
-                                      EDIT_CLIP_FADE};
-    for (uint32_t i = 0; i < 4; ++i) {
-        edit_init(&made[i], kind[i]);
-        made[i].clip = self->asked_clip;
+        return 0;
+    const double speed = timeline_clip_speed(clip), gain = self->number[1] * 0.01;
+    const double smooth_s = self->number[2] * 0.001;
+    const int64_t in_ns = ns_of_ms(self->number[3]), out_ns = ns_of_ms(self->number[4]);
+    if (fabs(self->number[0] - speed) > 0.0006) {
+        edit_init(&out[count], EDIT_CLIP_SPEED);
+        out[count++].speed = self->number[0] / speed;
     }
-    double speed = timeline_clip_speed(clip);
-    made[0].speed = self->number[0] / speed;
-    made[1].gain = self->number[1] * 0.01;
-    made[2].smooth_s = self->number[2] * 0.001;
-    made[3].fade_in_ns = ns_of_ms(self->number[3]);
-    made[3].fade_out_ns = ns_of_ms(self->number[4]);
-    if (fabs(self->number[0] - speed) > 0.0006)
-        list[count++] = &made[0];
-    if (fabs(made[1].gain - clip->gain) > 1e-4)
-        list[count++] = &made[1];
-    if (fabs(made[2].smooth_s - clip->smooth_s) > 1e-6)
-        list[count++] = &made[2];
-    if (made[3].fade_in_ns != clip->fade_in_ns || made[3].fade_out_ns != clip->fade_out_ns)
-        list[count++] = &made[3];
-    if (count)
-        (void)!app_edit_all(self->app, list, count);
+    if (fabs(gain - clip->gain) > 1e-4) {
+        edit_init(&out[count], EDIT_CLIP_GAIN);
+        out[count++].gain = gain;
+    }
+    if (fabs(smooth_s - clip->smooth_s) > 1e-6) {
+        edit_init(&out[count], EDIT_CLIP_SMOOTH);
+        out[count++].smooth_s = smooth_s;
+    }
+    if (in_ns != clip->fade_in_ns || out_ns != clip->fade_out_ns) {
+        edit_init(&out[count], EDIT_CLIP_FADE);
+        out[count].fade_in_ns = in_ns;
+        out[count++].fade_out_ns = out_ns;
+    }
+    for (uint32_t i = 0; i < count; ++i)
+        out[i].clip = self->asked_clip;
+    return count;
+}
+
+static void answer_clip(panel *self)
+{
+    edit made[CLIP_EDITS];
+    const edit *list[CLIP_EDITS];
+    const uint32_t count = make_clip_edits(self, made);
+    for (uint32_t i = 0; i < count; ++i)
+        list[i] = &made[i];
+    if (count && app_edit_all(self->app, list, count) >= 0)
+        self->has_clip_preview = false;
+}
+
+/* Shows the values of the dialog on the stage. If they are not possible, the last possible ones
+ * stay there. */
+static void preview_clip(panel *self)
+{
+    edit made[CLIP_EDITS];
+    const uint32_t count = make_clip_edits(self, made);
+    take copy = {0};
+    self->clip_why.text[0] = '\0';
+    memcpy(self->previewed, self->number, sizeof self->previewed);
+    if (count == 0) {
+        app_preview_take(self->app, NULL);
+        return;
+    }
+    mrt_result result = take_copy(&copy, app_take(self->app), &self->clip_why);
+    for (uint32_t i = 0; i < count && result >= 0; ++i)
+        result = edit_apply_onto(&copy, &made[i], &self->clip_why);
+    if (result >= 0) {
+        app_preview_take(self->app, &copy);
+        self->has_clip_preview = true;
+    }
+    take_finish(&copy);
 }
 
 static void clip_dialog(panel *self, ui *on)
@@ -370,13 +408,21 @@ static void clip_dialog(panel *self, ui *on)
                                       {0.0, 500.0, "ms", 0, true, 0.0},
                                       {0.0, 5000.0, "ms", 0, true, 0.0},
                                       {0.0, 5000.0, "ms", 0, true, 0.0}};
-    if (!ui_dialog_begin(on, "timeline_clip", "Clip", DIALOG_WIDTH))
+    if (!ui_dialog_begin(on, "timeline_clip", "Clip", DIALOG_WIDTH)) {
+        if (self->has_clip_preview)
+            app_preview_take(self->app, NULL);
+        self->has_clip_preview = false;
         return;
+    }
     for (uint32_t i = 0; i < 5; ++i) {
         ui_width(on, -1.0f);
         (void)ui_slider(on, label[i], LABEL_WIDTH, &range[i], &self->number[i]);
     }
-    if (end_dialog(on, "Change", true))
+    if (memcmp(self->previewed, self->number, sizeof self->previewed) != 0)
+        preview_clip(self);
+    if (self->clip_why.text[0])
+        ui_text_wrapped(on, UI_STYLE_WARNING, self->clip_why.text);
+    if (end_dialog(on, "Change", !self->clip_why.text[0]))
         answer_clip(self);
     ui_dialog_end(on);
 }

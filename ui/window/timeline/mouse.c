@@ -212,8 +212,11 @@ static void drag_edit(panel *self, const ui_canvas *canvas)
         self->gesture = GESTURE_NONE;
         return;
     }
+    const uint32_t before = self->drag.edition;
     timeline_drag_to(&self->drag, t, &snap, pointed_ns(self, canvas), layer_under(self, canvas),
                      canvas->x - canvas->start_x);
+    if (self->drag.edition != before && timeline_drag_moves_face(&self->drag))
+        app_preview_take(self->app, self->drag.made.kind == EDIT_NONE ? NULL : &self->drag.preview);
 }
 
 /* Drags one end of the range: span_to. The other end stays. */
@@ -322,9 +325,12 @@ static void end_edit(panel *self)
     error why = self->drag.why;
     self->drag.made = (edit){0};
     timeline_drag_finish(&self->drag);
-    if (made.kind != EDIT_NONE)
+    if (made.kind != EDIT_NONE) {
         timeline_edit(self, &made);
-    else if (why.text[0])
+        return;
+    }
+    app_preview_take(self->app, NULL);
+    if (why.text[0])
         timeline_report(self, &why);
 }
 
@@ -468,6 +474,7 @@ void timeline_mouse(panel *self, ui *on, const ui_canvas *canvas)
     turn_wheel(self, canvas);
     if (self->gesture != GESTURE_NONE && ui_is_down(on, UI_KEY_ESCAPE)) {
         timeline_drag_finish(&self->drag);
+        app_preview_take(self->app, NULL);
         self->gesture = GESTURE_NONE;
     }
     if (canvas->is_pressed)

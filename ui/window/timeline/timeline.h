@@ -171,7 +171,9 @@ struct panel {
     double jaw_lips[2];          /* how much jaw, lips, in % */
     char text[512];
     timeline_slip slip, slip_before;
-    double number[5];
+    double number[5], previewed[5]; /* values of the dialog of a clip; those that were previewed */
+    bool has_clip_preview;          /* the stage shows the values of that dialog */
+    error clip_why;                 /* why they are not possible; "": they are */
     uint32_t asked_regions;
     bool is_everything, is_asked_first;
     /* memory for drawing */
