@@ -570,6 +570,7 @@ void stand_open(stand *s, float width, float height, float scale)
     *s = (stand){.width = width, .height = height, .news = news_list_create()};
     s->choice.marker = -1;
     s->status.can_record = true;
+    s->looks.is_snapping = true;
     s->status.journal_ns = 1800 * NS_PER_S;
     transport_init(&s->transport, 0);
     here = s;

@@ -372,6 +372,7 @@ typedef enum app_panel {
 typedef struct app_looks { /* how it is shown; kept between runs */
     bool shows_hands, shows_vectors, shows_supports, shows_contacts, shows_jaw, shows_card;
     bool is_mirrored, is_turning, is_face_only, has_timeline, is_helping;
+    bool is_snapping, is_rippling; /* drags snap; what follows a clip moves with its edits */
     bool has_output, is_output_mirrored;
     bool is_painting;  /* not kept: the brush is on, [ and ] are its size */
     bool is_answering; /* not kept: Space belongs to the panel Hand */

@@ -1485,6 +1485,7 @@ static bool make_trim(const app *self, edit *out, bool is_end)
     if (self->takes.choice.clip) {
         edit_init(out, EDIT_CLIP_TRIM);
         out->clip = self->takes.choice.clip;
+        out->is_ripple = self->looks.is_rippling;
         *(is_end ? &out->end_ns : &out->start_ns) = at_ns;
         return true;
     }
@@ -1505,9 +1506,10 @@ static bool make_remove(const app *self, edit *out)
         return true;
     if (choice->marker >= 0)
         out->marker = (uint32_t)choice->marker;
-    else if (choice->clip)
+    else if (choice->clip) {
         out->clip = choice->clip;
-    else
+        out->is_ripple = self->looks.is_rippling;
+    } else
         out->layer = choice->layer;
     return true;
 }

@@ -9,12 +9,11 @@
 #define DIALOG_WIDTH 380.0f
 #define LABEL_WIDTH  110.0f
 
-static void do_edit(panel *self, edit_kind kind, uint32_t lane, uint32_t clip)
+static void do_edit(panel *self, edit_kind kind, uint32_t lane)
 {
     edit e;
     edit_init(&e, kind);
     e.layer = lane;
-    e.clip = clip;
     timeline_edit(self, &e);
 }
 
@@ -39,8 +38,14 @@ static void clip_menu(panel *self, ui *on, const take *t)
     } else if (ui_menu_item(on, "Speed, gain, fades \u2026", "", true))
         timeline_ask_clip(self, on, clip->id);
     key_map_words(&app_looks_of(self->app)->keys, ACTION_REMOVE, keys);
-    if (ui_menu_item(on, "Remove", keys, true))
-        do_edit(self, EDIT_CLIP_REMOVE, 0, self->menu.clip);
+    const bool ripples = app_looks_of(self->app)->is_rippling;
+    if (ui_menu_item(on, ripples ? "Remove and close gap" : "Remove", keys, true)) {
+        edit e;
+        edit_init(&e, EDIT_CLIP_REMOVE);
+        e.clip = self->menu.clip;
+        e.is_ripple = ripples;
+        timeline_edit(self, &e);
+    }
 }
 
 static void move_layer(panel *self, const take_layer *lane, uint32_t layer_index)
@@ -65,7 +70,7 @@ static void layer_menu(panel *self, ui *on, const take *t)
     else if (ui_menu_item(on, "Move down", "", layer_index > 0))
         move_layer(self, lane, layer_index - 1);
     else if (ui_menu_item(on, "Remove", "", true))
-        do_edit(self, EDIT_LAYER_REMOVE, lane->id, 0);
+        do_edit(self, EDIT_LAYER_REMOVE, lane->id);
 }
 
 static void marker_menu(panel *self, ui *on)
@@ -104,6 +109,13 @@ static void ruler_menu(panel *self, ui *on)
         cut_range(self, EDIT_RANGE_CUT, true);
     if (ui_menu_item(on, "Clear range and leave gap", "", has_range))
         cut_range(self, EDIT_RANGE_CUT, false);
+    if (ui_menu_item(on, "Insert a gap of that length", "", has_range)) {
+        edit e;
+        edit_init(&e, EDIT_RANGE_INSERT);
+        e.at_ns = in_ns;
+        e.length_ns = out_ns - in_ns;
+        timeline_edit(self, &e);
+    }
 }
 
 static void keep_span(panel *self, int64_t in_ns, int64_t out_ns)
@@ -171,7 +183,7 @@ static void sound_menu(panel *self, ui *on, const take_audio *audio)
         timeline_edit(self, &e);
     }
     if (ui_menu_item(on, "Remove sound", "", true))
-        do_edit(self, EDIT_AUDIO_DETACH, 0, 0);
+        do_edit(self, EDIT_AUDIO_DETACH, 0);
 }
 
 static bool is_ruler(timeline_part part)
@@ -346,6 +358,7 @@ static uint32_t make_clip_edits(const panel *self, edit out[CLIP_EDITS])
     const int64_t in_ns = ns_of_ms(self->number[3]), out_ns = ns_of_ms(self->number[4]);
     if (fabs(self->number[0] - speed) > 0.0006) {
         edit_init(&out[count], EDIT_CLIP_SPEED);
+        out[count].is_ripple = app_looks_of(self->app)->is_rippling;
         out[count++].speed = self->number[0] / speed;
     }
     if (fabs(gain - clip->gain) > 1e-4) {

@@ -39,6 +39,16 @@ static void put_switch(panel *self, switch_row *p, const char *word, const char 
         self->hint = help;
 }
 
+/* Draws the switch of an action, bright while what follows ripples. */
+static void put_action(panel *self, switch_row *p, action of, bool is_on, bool is_bright)
+{
+    bool is_over;
+    if (put_word(p, action_of(of)->title, 0.0f, is_on, is_bright, &is_over))
+        app_do(self->app, of);
+    if (is_over)
+        self->hint = action_of(of)->help;
+}
+
 static void put_regions(panel *self, switch_row *p)
 {
     static const char *const letter[OWN_REGION_COUNT] = {"M", "J", "B", "L", "E", "C", "N", "H"};
@@ -71,10 +81,9 @@ static void put_name(panel *self, switch_row *p, const take *t)
 void timeline_paint_corner(panel *self, ui *on, const ui_canvas *canvas)
 {
     switch_row p = {.on = on, .canvas = canvas, .x = self->rows.x + 4.0f, .y = self->rows.y + 2.0f};
-    put_switch(self, &p, "Snap",
-               "Snap to the playhead, clips, markers and frames. Hold Shift to turn this off for "
-               "one drag.",
-               &self->is_snapping);
+    const app_looks *looks = app_looks_of(self->app);
+    put_action(self, &p, ACTION_SNAP, looks->is_snapping, false);
+    put_action(self, &p, ACTION_RIPPLE, looks->is_rippling, true);
     put_switch(self, &p, "Follow", "Scroll the timeline with the playhead.", &self->is_following);
     put_switch(self, &p, "Takes",
                "Show other takes of the same slate below. Swipe their best passes into this take.",
@@ -628,13 +637,17 @@ static void paint_end(panel *self, ui *on, const take *t)
                     0.0f);
 }
 
-static void paint_snap(panel *self, ui *on)
+/* Draws what the drag has snapped to, over ruler and lanes. A frame is too near to need a line. */
+void timeline_paint_snap(panel *self, ui *on)
 {
-    if (self->gesture != GESTURE_EDIT || self->drag.snapped_ns == INT64_MIN)
+    const timeline_target to = timeline_snapped(self);
+    const ui_rectangle time = {self->axis.x, self->rows.y, self->axis.width, self->rows.height};
+    if (to.kind <= TIMELINE_TARGET_FRAME)
         return;
-    float x = timeline_axis_x(&self->axis, self->drag.snapped_ns);
-    ui_draw_line(on, x, self->rows.lanes_y, x, self->rows.y + self->rows.height, THEME_ACCENT,
-                 1.0f);
+    float x = timeline_axis_x(&self->axis, to.at_ns);
+    ui_clip_begin(on, time);
+    ui_draw_line(on, x, self->rows.y, x, self->rows.y + self->rows.height, THEME_ACCENT, 2.0f);
+    ui_clip_end(on);
 }
 
 void timeline_paint_rows(panel *self, ui *on)
@@ -650,6 +663,5 @@ void timeline_paint_rows(panel *self, ui *on)
             self->rows.row[i].y + self->rows.row[i].height > all.y)
             paint_row(self, on, &self->rows.row[i], t);
     paint_end(self, on, t);
-    paint_snap(self, on);
     ui_clip_end(on);
 }

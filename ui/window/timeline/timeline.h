@@ -132,7 +132,7 @@ struct panel {
     bool is_fit; /* show the whole take, also while it grows */
     int64_t last_head_ns;
     /* settings of the user */
-    bool is_snapping, is_following, has_comps;
+    bool is_following, has_comps;
     uint32_t regions; /* regions that a swipe comps */
     timeline_slid slid[TIMELINE_COMPS_MAX];
     uint32_t slid_next; /* next slot to use */
@@ -146,6 +146,8 @@ struct panel {
     int64_t pressed_ns, menu_ns;
     int64_t slid_from_ns;             /* shift of a comp lane at the press */
     int64_t span_from_ns, span_to_ns; /* span of a swipe or range */
+    timeline_target range_snapped;    /* what the dragged end of the range has snapped to */
+    bool is_free;                     /* Shift is held: this drag does not snap */
     const char *hint;
     /* the journal, shown while no take is selected */
     timeline_journal *journal;
@@ -188,6 +190,7 @@ struct panel {
 const take *timeline_take(const panel *self);
 timeline_code timeline_code_now(const panel *self);
 int64_t timeline_head_ns(const panel *self);
+timeline_target timeline_snapped(const panel *self); /* by the current drag */
 bool timeline_range(const panel *self, int64_t *out_in_ns, int64_t *out_out_ns);
 /* Returns the swiped or dragged span with start before end. */
 void timeline_span_now(const panel *self, int64_t *out_from_ns, int64_t *out_to_ns);
@@ -217,6 +220,7 @@ void timeline_paint_over(panel *self, ui *on); /* draws the current overdub */
 void timeline_paint_head(panel *self, ui *on); /* draws the playhead over everything else */
 void timeline_paint_corner(panel *self, ui *on, const ui_canvas *canvas);
 void timeline_paint_rows(panel *self, ui *on);
+void timeline_paint_snap(panel *self, ui *on); /* draws what the drag has snapped to */
 
 /* mouse.c */
 int64_t timeline_sound_ns(const panel *self); /* duration of the sound; 0: none, or not known yet */
