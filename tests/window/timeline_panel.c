@@ -286,6 +286,46 @@ static void with_ripple_what_follows_moves_and_the_status_says_so(void **state)
     stand_close(s);
 }
 
+/* The chip of a colour in the menu that is open. */
+static void click_colour(stand *s, take_colour colour)
+{
+    const ui_word *word = stand_word(s, "Colour");
+    assert_non_null(word);
+    stand_click(s, word->where.x - 7.0f + UI_CHIP_LABEL + UI_CHIP * ((float)colour + 0.5f),
+                word->where.y + 8.0f);
+    stand_settle(s);
+}
+
+/* By right click; a part of a split has it too. */
+static void clips_and_layers_have_colours(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    right_click(s, stand_x(s, 5.5), stand_y(s, 0));
+    stand_picture(s, "colours_menu");
+    window_hidden_put_away(s->window, true);
+    click_colour(s, TAKE_COLOUR_VIOLET);
+    assert_null(stand_word(s, "Colour")); /* it is done */
+    assert_int_equal(s->step_count, 1);
+    assert_string_equal(s->edited[0], "clip.colour");
+    assert_int_equal(s->take.layer[1].clip[1].colour, TAKE_COLOUR_VIOLET);
+    assert_int_equal(s->take.layer[1].clip[0].colour, TAKE_COLOUR_NONE);
+    right_click(s, 280.0f, s->panel->rows.row[1].y + 8.0f);
+    click_colour(s, TAKE_COLOUR_GREEN);
+    assert_string_equal(s->edited[1], "layer.colour");
+    assert_int_equal(s->take.layer[0].colour, TAKE_COLOUR_GREEN);
+    stand_key(s, UI_KEY_CONTROL, true);
+    stand_double_click(s, stand_x(s, 5.5), stand_y(s, 0));
+    stand_key(s, UI_KEY_CONTROL, false);
+    assert_int_equal(s->take.layer[1].clip[2].colour, TAKE_COLOUR_VIOLET);
+    stand_picture(s, "colours");
+    window_hidden_put_away(s->window, true);
+    right_click(s, stand_x(s, 5.0), stand_y(s, 0));
+    click_colour(s, TAKE_COLOUR_NONE);
+    assert_int_equal(s->take.layer[1].clip[1].colour, TAKE_COLOUR_NONE);
+    stand_close(s);
+}
+
 static void upper_corners_fade(void **state)
 {
     (void)state;
@@ -682,6 +722,7 @@ int main(void)
         cmocka_unit_test(a_clip_is_dragged_in_time_in_one_step),
         cmocka_unit_test(a_click_chooses_and_changes_nothing),
         cmocka_unit_test(escape_cancels_a_drag),
+        cmocka_unit_test(clips_and_layers_have_colours),
         cmocka_unit_test(what_a_drag_snaps_to_is_told),
         cmocka_unit_test(with_ripple_what_follows_moves_and_the_status_says_so),
         cmocka_unit_test(gain_speed_and_fades_are_on_the_face_while_they_are_dragged),

@@ -19,6 +19,25 @@ static void do_edit(panel *self, edit_kind kind, uint32_t lane)
 
 /* ---- menus ---- */
 
+/* Chooses the colour of a clip, or of a layer if clip is 0. */
+static void put_colours(panel *self, ui *on, edit_kind kind, uint32_t lane, uint32_t clip,
+                        uint32_t colour)
+{
+    const char *names[TAKE_COLOURS];
+    uint32_t chips[TAKE_COLOURS];
+    edit e;
+    for (uint32_t i = 0; i < TAKE_COLOURS; ++i) {
+        names[i] = timeline_colours[i].name;
+        chips[i] = timeline_colours[i].curve;
+    }
+    edit_init(&e, kind);
+    e.layer = lane;
+    e.clip = clip;
+    e.colour = colour;
+    if (ui_menu_colours(on, "Colour", names, chips, TAKE_COLOURS, &e.colour))
+        timeline_edit(self, &e);
+}
+
 static void clip_menu(panel *self, ui *on, const take *t)
 {
     const take_layer *lane;
@@ -37,6 +56,9 @@ static void clip_menu(panel *self, ui *on, const take *t)
         timeline_edit(self, &e);
     } else if (ui_menu_item(on, "Speed, gain, fades \u2026", "", true))
         timeline_ask_clip(self, on, clip->id);
+    const take_clip *kept = timeline_clip(app_take(self->app), self->menu.clip, &lane);
+    if (kept)
+        put_colours(self, on, EDIT_CLIP_COLOUR, 0, kept->id, kept->colour);
     key_map_words(&app_looks_of(self->app)->keys, ACTION_REMOVE, keys);
     const bool ripples = app_looks_of(self->app)->is_rippling;
     if (ui_menu_item(on, ripples ? "Remove and close gap" : "Remove", keys, true)) {
@@ -63,6 +85,11 @@ static void layer_menu(panel *self, ui *on, const take *t)
     if (!lane)
         return;
     uint32_t layer_index = (uint32_t)(lane - t->layer);
+    put_colours(self, on, EDIT_LAYER_COLOUR, lane->id, 0, lane->colour);
+    t = app_take(self->app); /* the edit has made another one */
+    lane = timeline_layer(t, self->menu.layer);
+    if (!lane)
+        return;
     if (ui_menu_item(on, "Name and parts \u2026", "", true))
         timeline_ask_layer(self, on, lane->id);
     else if (ui_menu_item(on, "Move up", "", layer_index + 1 < t->layer_count))

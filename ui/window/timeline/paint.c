@@ -7,6 +7,20 @@
 
 #define HEIGHT 18.0f
 
+/* Dark enough for the curve and the words on it, and apart from the accent, which is what is
+ * chosen.
+ */
+const timeline_colour timeline_colours[TAKE_COLOURS] = {
+    [TAKE_COLOUR_NONE] = {"No colour", 0x2c3a41ffu, TIMELINE_CURVE_COLOUR},
+    [TAKE_COLOUR_RED] = {"Red", 0x4a2f31ffu, 0xd98a88ffu},
+    [TAKE_COLOUR_ORANGE] = {"Orange", 0x4a3628ffu, 0xdb9c70ffu},
+    [TAKE_COLOUR_YELLOW] = {"Yellow", 0x42402affu, 0xc9c074ffu},
+    [TAKE_COLOUR_GREEN] = {"Green", 0x2d4232ffu, 0x86bf8effu},
+    [TAKE_COLOUR_TEAL] = {"Teal", 0x24423fffu, 0x6fc2b6ffu},
+    [TAKE_COLOUR_BLUE] = {"Blue", 0x2b3b56ffu, 0x84a9e4ffu},
+    [TAKE_COLOUR_VIOLET] = {"Violet", 0x3c3152ffu, 0xb099dfffu},
+};
+
 typedef struct switch_row { /* position in a row of switches in the corner */
     ui *on;
     const ui_canvas *canvas;
@@ -297,11 +311,12 @@ typedef struct look {
     uint32_t ground, curve, fill;
 } look;
 
-static look look_of(const take_clip *clip, bool is_heard)
+static look look_of(const take_layer *lane, const take_clip *clip, bool is_heard)
 {
+    const timeline_colour *of = &timeline_colours[clip->colour ? clip->colour : lane->colour];
     if (clip->is_muted || !is_heard)
         return (look){TIMELINE_MUTED_CLIP, TIMELINE_MUTED_CURVE, TIMELINE_MUTED_FILL};
-    return (look){TIMELINE_CLIP_COLOUR, TIMELINE_CURVE_COLOUR, TIMELINE_CURVE_FILL};
+    return (look){of->ground, of->curve, (of->curve & ~0xffu) | TIMELINE_FILL_ALPHA};
 }
 
 /* ---- the curve ---- */
@@ -437,7 +452,7 @@ static void paint_clip(panel *self, ui *on, ui_rectangle box, const take_layer *
 {
     const app_choice *choice = app_chosen(self->app);
     bool is_chosen = owner == 0 && choice->clip == clip->id;
-    look as = look_of(clip, is_heard);
+    look as = look_of(lane, clip, is_heard);
     ui_rectangle where = visible_part(self, box);
     if (where.width <= 0.0f)
         return;
@@ -512,6 +527,9 @@ static void paint_layer_head(panel *self, ui *on, const timeline_row *row, const
     float name = ui_text_width(on, UI_STYLE_STRONG, lane->name);
     float most = 0.62f * width;
     name = name < most ? name : most;
+    if (lane->colour)
+        ui_draw_box(on, (ui_rectangle){self->rows.x, row->y, 3.0f, row->height},
+                    timeline_colours[lane->colour].curve, 0.0f);
     ui_draw_text(on, x, row->y + 4.0f, UI_STYLE_STRONG,
                  lane->is_muted              ? THEME_DIM
                  : choice->layer == lane->id ? THEME_ACCENT

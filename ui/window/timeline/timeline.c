@@ -467,9 +467,8 @@ static void paint_drag_status(panel *self, ui *on)
     if (is_refused)
         (void)snprintf(words, sizeof words, "%.399s", self->drag.why.text);
     else
-        (void)snprintf(words, sizeof words, "%s%s%s%s%s", does, does[0] ? "  " : "",
-                       ripples ? "Ripple: what follows moves too." : "", ripples ? "  " : "",
-                       snaps);
+        (void)snprintf(words, sizeof words, "%s%s%s%s%s", snaps, snaps[0] && does[0] ? "  " : "",
+                       does, ripples ? "  " : "", ripples ? "Ripple: what follows moves too." : "");
     if (!words[0])
         return;
     float width = ui_text_width(on, UI_STYLE_BODY, words), room = self->axis.width - 24.0f;

@@ -15,9 +15,8 @@
 
 /* ---- colours of the timeline ---- */
 
-#define TIMELINE_CLIP_COLOUR  0x2c3a41ffu
 #define TIMELINE_CURVE_COLOUR 0x86a9b8ffu
-#define TIMELINE_CURVE_FILL   0x86a9b83cu
+#define TIMELINE_FILL_ALPHA   0x3cu /* of a curve's area, which has the colour of its line */
 #define TIMELINE_MUTED_CLIP   0x22262affu
 #define TIMELINE_MUTED_CURVE  0x86a9b848u
 #define TIMELINE_MUTED_FILL   0x86a9b818u
@@ -27,6 +26,12 @@
 #define TIMELINE_SHADE        0x0d0f1190u /* faded part of a clip */
 #define TIMELINE_RANGE_COLOUR 0xd9a44133u
 #define TIMELINE_HEAD_COLOUR  0xe6e3dcffu /* the playhead */
+
+typedef struct timeline_colour { /* of a clip, by take_colour (paint.c) */
+    const char *name;
+    uint32_t ground, curve;
+} timeline_colour;
+extern const timeline_colour timeline_colours[TAKE_COLOURS];
 
 /* ---- filter of the take list, newest first: all, good or deleted takes, with a text search in
  * title and note (take_list.c). Pure, except for its own memory ---- */
