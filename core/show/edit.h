@@ -47,19 +47,21 @@ typedef enum edit_kind {
     EDIT_LAYER_ADDITIVE, /* additive */
     EDIT_LAYER_GAIN,     /* gain */
     EDIT_LAYER_OFFSET,   /* offset_ns */
+    EDIT_LAYER_COLOUR,   /* colour: a take_colour */
     EDIT_LAYER_OWN,      /* own */
     EDIT_CLIP_ADD, /* layer, material, start_ns, end_ns; without times, at the time of the recording
                     */
-    EDIT_CLIP_REMOVE,  /* clip, as the next ones */
-    EDIT_CLIP_TRIM,    /* start_ns, end_ns: one or both */
+    EDIT_CLIP_REMOVE,  /* clip, as the next ones; ripple, see below */
+    EDIT_CLIP_TRIM,    /* start_ns, end_ns: one or both; ripple */
     EDIT_CLIP_SPLIT,   /* at_ns: the part after it becomes a new clip */
-    EDIT_CLIP_MOVE,    /* start_ns, layer: one or both */
-    EDIT_CLIP_SPEED,   /* speed (a factor), at_ns: the fixed instant; default: the start */
+    EDIT_CLIP_MOVE,    /* start_ns, layer: one or both; ripple */
+    EDIT_CLIP_SPEED,   /* speed (a factor), at_ns: the fixed instant; default: the start; ripple */
     EDIT_CLIP_CURVE,   /* warp */
     EDIT_CLIP_SMOOTH,  /* smooth_s */
     EDIT_CLIP_GAIN,    /* gain */
     EDIT_CLIP_FADE,    /* fade_in_ns, fade_out_ns: one or both */
     EDIT_CLIP_MUTE,    /* muted */
+    EDIT_CLIP_COLOUR,  /* colour: a take_colour */
     EDIT_CLIP_PERFORM, /* performance: another one of the same tracks */
     EDIT_RANGE_KEEP,   /* in_ns, out_ns: the take becomes that range */
     EDIT_RANGE_CUT,    /* in_ns, out_ns, layers, ripple (close the gap) */
@@ -78,7 +80,12 @@ typedef enum edit_kind {
     EDIT_KIND_COUNT
 } edit_kind;
 
-/* Material is a span of a performance, or of a part of it: performance, from_ns .. to_ns, part.
+/* With ripple, everything that begins at or after the end of the clip (of a move: its start) moves
+ * along, so that gaps keep their length: clips of all layers, markers, the sound, and the end of
+ * the take. The clip itself then starts where it did, except after a move. A clip of another layer
+ * that began before stays whole. Sound that began before would lose sync: the edit is refused.
+ *
+ * Material is a span of a performance, or of a part of it: performance, from_ns .. to_ns, part.
  * source_ns is the instant that is shown at the start. If the material does not run at its recorded
  * speed, warp replaces source_ns. */
 typedef struct edit {
@@ -86,7 +93,7 @@ typedef struct edit {
     uint32_t layer, clip;   /* ids */
     uint32_t marker, place; /* marker: index from 0, by time; place: index of a layer from the
                                bottom, UINT32_MAX: on top */
-    uint32_t number, rating;
+    uint32_t number, rating, colour;
     uint32_t regions; /* bit set of 1 << own_region */
     uint32_t part;    /* take_part; 0: the whole performance */
     bool is_muted, is_solo, is_additive, is_drop, is_ripple;

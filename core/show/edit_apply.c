@@ -47,6 +47,8 @@ static mrt_result check_clip(const take_layer *layer, const take_clip *clip, err
         return bad_clip(layer, clip, "its fades are longer than it is; shorten them", err);
     if (!is_within(clip->gain, 0.0, 10.0) || !is_within(clip->smooth_s, 0.0, 10.0))
         return bad_clip(layer, clip, "expected a gain of 0 to 10 and 0 to 10 s of smoothing", err);
+    if (clip->colour >= TAKE_COLOURS)
+        return bad_clip(layer, clip, "expected a known colour", err);
     return MRT_OK;
 }
 
@@ -79,10 +81,11 @@ static mrt_result check_layer(const take_layer *layer, error *err)
             "layer %u: it has %u clips and %u patterns; at most %d and %d are possible", layer->id,
             layer->clip_count, layer->own_count, EDIT_CLIPS_MAX, EDIT_OWN_MAX);
     if (!memchr(layer->name, '\0', sizeof layer->name) || !is_within(layer->gain, 0.0, 10.0) ||
-        layer->offset_ns < -EDIT_TIME_MAX_NS || layer->offset_ns > EDIT_TIME_MAX_NS)
+        layer->offset_ns < -EDIT_TIME_MAX_NS || layer->offset_ns > EDIT_TIME_MAX_NS ||
+        layer->colour >= TAKE_COLOURS)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "layer %u: expected a name, a gain of 0 to 10 and an offset of days at "
-                         "most",
+                         "layer %u: expected a name, a gain of 0 to 10, an offset of days at most "
+                         "and a known colour",
                          layer->id);
     for (uint32_t i = 0; i < layer->own_count; ++i)
         if (!memchr(layer->own[i], '\0', TAKE_NAME) || !own_is_pattern(layer->own[i]))
@@ -453,6 +456,9 @@ static mrt_result apply_layer(take *t, const edit *e, error *err)
     case EDIT_LAYER_GAIN:
         layer->gain = e->gain;
         return MRT_OK;
+    case EDIT_LAYER_COLOUR:
+        layer->colour = e->colour;
+        return MRT_OK;
     case EDIT_LAYER_OFFSET:
         return set_offset(t, layer, e);
     default:
@@ -461,6 +467,58 @@ static mrt_result apply_layer(take *t, const edit *e, error *err)
 }
 
 /* ---- clips ---- */
+
+/* ---- ripple: what follows an edit of a clip moves along ---- */
+
+static mrt_result check_audio_ripple(const take *t, const edit *e, int64_t from_ns, error *err)
+{
+    const take_audio *audio = &t->audio;
+    const bool has_ended = audio->out_ns > 0 && audio->offset_ns + audio->out_ns <= from_ns;
+    if (audio->audio == 0 || audio->offset_ns >= from_ns || has_ended)
+        return MRT_OK;
+    return error_set(err, MRT_ERR_ARGUMENT,
+                     "%s with ripple: the take's audio begins before %s s and would lose sync; "
+                     "switch ripple off, or detach the audio",
+                     edit_name(e->kind), edit_seconds(from_ns).text);
+}
+
+static void grow_over_layers(take *t)
+{
+    for (uint32_t i = 0; i < t->layer_count; ++i)
+        if (t->layer[i].clip_count)
+            edit_grow(t, &t->layer[i], &t->layer[i].clip[t->layer[i].clip_count - 1]);
+}
+
+/* Moves what begins at from_ns or later by by_ns, except one clip. Markers in a span that is closed
+ * go to its start. Times are those of the take. */
+static mrt_result ripple(take *t, const edit *e, int64_t from_ns, int64_t by_ns, error *err)
+{
+    const int64_t before_ns = t->duration_ns;
+    mrt_result result = by_ns == 0 ? MRT_OK : check_audio_ripple(t, e, from_ns, err);
+    if (result < 0 || by_ns == 0)
+        return result;
+    for (uint32_t i = 0; i < t->layer_count; ++i) {
+        take_layer *layer = &t->layer[i];
+        for (uint32_t k = 0; k < layer->clip_count; ++k)
+            if (layer->clip[k].id != e->clip &&
+                layer->clip[k].start_ns + layer->offset_ns >= from_ns)
+                edit_shift(&layer->clip[k], by_ns);
+    }
+    for (uint32_t i = 0; i < t->marker_count; ++i) {
+        int64_t *at_ns = &t->marker[i].at_ns;
+        if (*at_ns >= from_ns)
+            *at_ns += by_ns;
+        else if (*at_ns > from_ns + by_ns)
+            *at_ns = from_ns + by_ns;
+    }
+    if (t->audio.audio && t->audio.offset_ns >= from_ns)
+        t->audio.offset_ns += by_ns;
+    t->duration_ns = before_ns + by_ns;
+    grow_over_layers(t);
+    if (t->duration_ns <= 0) /* nothing is left: an empty take keeps its length */
+        t->duration_ns = before_ns;
+    return MRT_OK;
+}
 
 /* ---- add, move: position a clip ---- */
 
@@ -501,9 +559,40 @@ static mrt_result move_clip(take *t, edit_spot spot, const edit *e, error *err)
         return result;
     int64_t shown_ns =
         e->start_ns == EDIT_UNSAID ? spot.clip->start_ns + spot.layer->offset_ns : e->start_ns;
+    const int64_t before_ns = spot.clip->start_ns + spot.layer->offset_ns;
     take_clip clip = edit_remove_clip(spot);
     edit_shift(&clip, shown_ns - layer->offset_ns - clip.start_ns);
+    if (e->is_ripple)
+        result = ripple(t, e, before_ns, shown_ns - before_ns, err);
+    if (result < 0) {
+        edit_clip_finish(&clip);
+        return result;
+    }
     return lay_and_grow(t, layer, clip, err);
+}
+
+static mrt_result remove_clip(take *t, edit_spot spot, const edit *e, error *err)
+{
+    const int64_t end_ns = spot.clip->end_ns + spot.layer->offset_ns;
+    take_clip clip = edit_remove_clip(spot);
+    const int64_t length_ns = clip.end_ns - clip.start_ns;
+    edit_clip_finish(&clip);
+    return e->is_ripple ? ripple(t, e, end_ns, -length_ns, err) : MRT_OK;
+}
+
+/* Inserts a clip whose ends were changed. With ripple it starts where it did. */
+static mrt_result lay_changed(take *t, take_layer *layer, take_clip clip, const edit *e,
+                              int64_t start_ns, int64_t end_ns, error *err)
+{
+    mrt_result result = MRT_OK;
+    if (e->is_ripple) {
+        edit_shift(&clip, start_ns - clip.start_ns);
+        result = ripple(t, e, end_ns + layer->offset_ns, clip.end_ns - end_ns, err);
+    }
+    if (result >= 0)
+        return lay_and_grow(t, layer, clip, err);
+    edit_clip_finish(&clip);
+    return result;
 }
 
 /* ---- trim, split ---- */
@@ -535,10 +624,11 @@ static mrt_result trim_clip(take *t, edit_spot spot, const edit *e, error *err)
     if (result < 0)
         return result;
     take_clip clip = edit_remove_clip(spot);
+    const int64_t old_start_ns = clip.start_ns, old_end_ns = clip.end_ns;
     clip.start_ns = start_ns;
     clip.end_ns = end_ns;
     edit_fit_fades(&clip);
-    return lay_and_grow(t, spot.layer, clip, err);
+    return lay_changed(t, spot.layer, clip, e, old_start_ns, old_end_ns, err);
 }
 
 /* Refuses a split within a cross-fade: three clips would overlap at an instant. */
@@ -620,6 +710,7 @@ static mrt_result set_speed(take *t, edit_spot spot, const edit *e, error *err)
     if (result < 0)
         return result;
     take_clip clip = edit_remove_clip(spot);
+    const int64_t old_start_ns = clip.start_ns, old_end_ns = clip.end_ns;
     int64_t about_ns = e->at_ns == EDIT_UNSAID ? clip.start_ns : e->at_ns - spot.layer->offset_ns;
     for (uint32_t i = 0; i < clip.warp_count; ++i)
         clip.warp[i].at_ns = scaled(clip.warp[i].at_ns, about_ns, e->speed);
@@ -635,7 +726,7 @@ static mrt_result set_speed(take *t, edit_spot spot, const edit *e, error *err)
     }
     keep_to_recording(&clip);
     edit_fit_fades(&clip);
-    return lay_and_grow(t, spot.layer, clip, err);
+    return lay_changed(t, spot.layer, clip, e, old_start_ns, old_end_ns, err);
 }
 
 static mrt_result set_curve(edit_spot spot, const edit *e, error *err)
@@ -689,11 +780,8 @@ static mrt_result apply_clip(take *t, const edit *e, error *err)
     if (result < 0)
         return result;
     switch (e->kind) {
-    case EDIT_CLIP_REMOVE: {
-        take_clip clip = edit_remove_clip(spot);
-        edit_clip_finish(&clip);
-        return MRT_OK;
-    }
+    case EDIT_CLIP_REMOVE:
+        return remove_clip(t, spot, e, err);
     case EDIT_CLIP_TRIM:
         return trim_clip(t, spot, e, err);
     case EDIT_CLIP_SPLIT:
@@ -714,6 +802,9 @@ static mrt_result apply_clip(take *t, const edit *e, error *err)
         return set_fades(spot, e, err);
     case EDIT_CLIP_MUTE:
         spot.clip->is_muted = e->is_muted;
+        return MRT_OK;
+    case EDIT_CLIP_COLOUR:
+        spot.clip->colour = e->colour;
         return MRT_OK;
     default:
         spot.clip->performance = e->performance;
@@ -867,13 +958,6 @@ static mrt_result cut(take *t, const edit *e, error *err)
     if (result >= 0 && e->is_ripple && e->layer_count == 0)
         move_rest(t, e->in_ns, e->out_ns, later_ns);
     return result;
-}
-
-static void grow_over_layers(take *t)
-{
-    for (uint32_t i = 0; i < t->layer_count; ++i)
-        if (t->layer[i].clip_count)
-            edit_grow(t, &t->layer[i], &t->layer[i].clip[t->layer[i].clip_count - 1]);
 }
 
 static mrt_result insert(take *t, const edit *e, error *err)

@@ -161,6 +161,16 @@ static void describe_marker(char out[EDIT_TEXT], const edit *e, const take *t)
     }
 }
 
+static const char *colour_name(uint32_t colour)
+{
+    static const char *const names[TAKE_COLOURS] = {
+        [TAKE_COLOUR_NONE] = "none",     [TAKE_COLOUR_RED] = "red",
+        [TAKE_COLOUR_ORANGE] = "orange", [TAKE_COLOUR_YELLOW] = "yellow",
+        [TAKE_COLOUR_GREEN] = "green",   [TAKE_COLOUR_TEAL] = "teal",
+        [TAKE_COLOUR_BLUE] = "blue",     [TAKE_COLOUR_VIOLET] = "violet"};
+    return names[colour < TAKE_COLOURS ? colour : TAKE_COLOUR_NONE];
+}
+
 static void describe_layer(char out[EDIT_TEXT], const edit *e, const take *t)
 {
     edit_words name = layer_name(t, e->layer);
@@ -186,6 +196,9 @@ static void describe_layer(char out[EDIT_TEXT], const edit *e, const take *t)
         break;
     case EDIT_LAYER_GAIN:
         (void)snprintf(out, EDIT_TEXT, "gain of %s %g", name.text, e->gain);
+        break;
+    case EDIT_LAYER_COLOUR:
+        (void)snprintf(out, EDIT_TEXT, "colour of %s %s", name.text, colour_name(e->colour));
         break;
     case EDIT_LAYER_OFFSET:
         (void)snprintf(out, EDIT_TEXT, "offset of %s %.30s s", name.text,
@@ -261,6 +274,9 @@ static void describe_clip(char out[EDIT_TEXT], const edit *e, const take *t)
     case EDIT_CLIP_MUTE:
         (void)snprintf(out, EDIT_TEXT, "%s %s", e->is_muted ? "mute" : "unmute", name.text);
         break;
+    case EDIT_CLIP_COLOUR:
+        (void)snprintf(out, EDIT_TEXT, "colour of %s %s", name.text, colour_name(e->colour));
+        break;
     case EDIT_CLIP_PERFORM:
         (void)snprintf(out, EDIT_TEXT, "replace %s by performance %lld", name.text,
                        (long long)e->performance);
@@ -268,6 +284,12 @@ static void describe_clip(char out[EDIT_TEXT], const edit *e, const take *t)
     default:
         (void)snprintf(out, EDIT_TEXT, "remove %s", name.text);
         break;
+    }
+    const bool can_ripple = e->kind == EDIT_CLIP_REMOVE || e->kind == EDIT_CLIP_TRIM ||
+                            e->kind == EDIT_CLIP_MOVE || e->kind == EDIT_CLIP_SPEED;
+    if (can_ripple && e->is_ripple) {
+        const size_t used = strlen(out);
+        (void)snprintf(out + used, EDIT_TEXT - used, ", with ripple");
     }
 }
 

@@ -130,6 +130,20 @@ typedef struct take_own_part {
 enum { TAKE_OWN_PARTS = TAKE_PARTS - TAKE_PALETTE };
 extern const take_own_part take_own_part_of[TAKE_OWN_PARTS];
 
+/* Colours that tell clips and layers apart on the timeline; they change nothing that is shown on
+ * the face. Takes store these numbers. */
+typedef enum take_colour {
+    TAKE_COLOUR_NONE = 0, /* of a clip: that of its layer; of a layer: the usual one */
+    TAKE_COLOUR_RED,
+    TAKE_COLOUR_ORANGE,
+    TAKE_COLOUR_YELLOW,
+    TAKE_COLOUR_GREEN,
+    TAKE_COLOUR_TEAL,
+    TAKE_COLOUR_BLUE,
+    TAKE_COLOUR_VIOLET,
+    TAKE_COLOURS
+} take_colour;
+
 typedef struct take_clip { /* a span of the timeline that shows a span of a performance */
     uint32_t id;           /* unique in the take, stable through edits */
     int64_t performance;
@@ -142,12 +156,14 @@ typedef struct take_clip { /* a span of the timeline that shows a span of a perf
     double gain;                     /* factor of the control vectors; default 1 */
     double smooth_s;                 /* time constant of additional smoothing; 0: none */
     bool is_muted;
+    uint32_t colour; /* take_colour */
 } take_clip;
 
 typedef struct take_layer {
     uint32_t id; /* unique in the take */
     char name[TAKE_NAME];
     bool is_muted, is_solo;
+    uint32_t colour;  /* take_colour */
     bool is_additive; /* false: where it shows a clip, it replaces the layers below in the parts
                          that it owns. true: it adds to them */
     double gain;

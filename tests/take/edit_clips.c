@@ -240,6 +240,112 @@ static void fades_fit_into_their_clip(void **state)
     take_finish(&t);
 }
 
+/* ---- ripple ---- */
+
+/* Layers 'face' (clips 2: 0..3 s, 3: 6..10 s) and 'mouth' (clips 5: 1..4 s, 6: 4..7 s), markers at
+ * 2, 3.5 and 8 s. */
+static take to_ripple(void)
+{
+    take t = help_take();
+    help_do(&t, "{'op':'clip.split','clip':2,'at_ns':3000m}");
+    help_do(&t, "{'op':'clip.trim','clip':3,'start_ns':6000m}");
+    help_do(&t, "{'op':'layer.add','name':'mouth','own':['mouth']}");
+    help_do(&t, "{'op':'clip.add','layer':4,'performance':7,'source_ns':1000m,'start_ns':1000m,"
+                "'end_ns':7000m}");
+    help_do(&t, "{'op':'clip.split','clip':5,'at_ns':4000m}");
+    help_do(&t, "{'op':'marker.add','at_ns':2000m,'text':'a'}");
+    help_do(&t, "{'op':'marker.add','at_ns':3500m,'text':'b'}");
+    help_do(&t, "{'op':'marker.add','at_ns':8000m,'text':'c'}");
+    return t;
+}
+
+static void expect_starts(const take *t, int64_t face_ms, int64_t mouth_ms, int64_t end_ms)
+{
+    const take_layer *mouth = &t->layer[1];
+    assert_int_equal(t->layer[0].clip[0].start_ns, 0);
+    assert_int_equal(t->layer[0].clip[1].start_ns, face_ms * help_ms);
+    assert_int_equal(mouth->clip[mouth->clip_count - 1].start_ns, mouth_ms * help_ms);
+    assert_int_equal(t->duration_ns, end_ms * help_ms);
+}
+
+static void what_follows_a_removed_clip_closes_its_gap(void **state)
+{
+    (void)state;
+    take t = to_ripple();
+    help_do(&t, "{'op':'clip.remove','clip':5,'ripple':true}"); /* 1..4 s */
+    expect_starts(&t, 3000, 1000, 7000);
+    assert_int_equal(t.marker[0].at_ns, help_s); /* was within: it goes to the start of the gap */
+    assert_int_equal(t.marker[1].at_ns, help_s);
+    assert_int_equal(t.marker[2].at_ns, 5 * help_s);
+    take_finish(&t);
+    t = to_ripple(); /* without ripple nothing else moves */
+    help_do(&t, "{'op':'clip.remove','clip':5}");
+    expect_starts(&t, 6000, 4000, 10000);
+    assert_int_equal(t.marker[2].at_ns, 8 * help_s);
+    take_finish(&t);
+}
+
+static void a_trim_a_speed_and_a_move_ripple(void **state)
+{
+    (void)state;
+    take t = to_ripple();
+    help_do(&t, "{'op':'clip.trim','clip':5,'end_ns':3000m,'ripple':true}");
+    expect_starts(&t, 5000, 3000, 9000);
+    assert_int_equal(t.marker[1].at_ns, 3 * help_s);
+    assert_int_equal(t.marker[2].at_ns, 7 * help_s);
+    take_finish(&t);
+    t = to_ripple();
+    help_do(&t, "{'op':'clip.trim','clip':5,'start_ns':1500m,'ripple':true}");
+    expect_starts(&t, 5500, 3500, 9500);
+    assert_string_equal(help_shown(&t.layer[1], 1200 * help_ms), "5@1.7*1"); /* slid under it */
+    take_finish(&t);
+    t = to_ripple();
+    help_do(&t, "{'op':'clip.speed','clip':5,'speed':0.5,'ripple':true}"); /* 3 s become 6 */
+    expect_starts(&t, 9000, 7000, 13000);
+    assert_int_equal(t.marker[0].at_ns, 2 * help_s);
+    assert_int_equal(t.marker[2].at_ns, 11 * help_s);
+    take_finish(&t);
+    t = to_ripple();
+    help_do(&t, "{'op':'clip.move','clip':6,'start_ns':5000m,'ripple':true}");
+    expect_starts(&t, 7000, 5000, 11000);
+    assert_int_equal(t.marker[1].at_ns, 3500 * help_ms);
+    assert_int_equal(t.marker[2].at_ns, 9 * help_s);
+    take_finish(&t);
+}
+
+/* Sound that begins later moves along; sound that plays already would lose sync. */
+static void sound_ripples_or_refuses(void **state)
+{
+    (void)state;
+    take t = to_ripple();
+    help_do(&t, "{'op':'audio.attach','audio':3,'offset_ns':5000m}");
+    help_do(&t, "{'op':'clip.trim','clip':5,'end_ns':3000m,'ripple':true}");
+    assert_int_equal(t.audio.offset_ns, 4 * help_s);
+    help_refused(&t, "{'op':'clip.trim','clip':6,'end_ns':5000m,'ripple':true}",
+                 "the take's audio begins before 6 s and would lose sync");
+    help_do(&t, "{'op':'clip.trim','clip':6,'end_ns':5000m}");
+    help_do(&t, "{'op':'audio.trim','end_ns':4500m}"); /* it has ended by then */
+    help_do(&t, "{'op':'clip.trim','clip':6,'end_ns':4800m,'ripple':true}");
+    assert_int_equal(t.audio.offset_ns, 4 * help_s);
+    take_finish(&t);
+}
+
+static void a_colour_stays_with_its_clip(void **state)
+{
+    (void)state;
+    take t = to_ripple();
+    help_do(&t, "{'op':'clip.colour','clip':5,'colour':4}");
+    help_do(&t, "{'op':'layer.colour','layer':1,'colour':6}");
+    help_do(&t, "{'op':'clip.split','clip':5,'at_ns':2000m}");
+    assert_int_equal(t.layer[1].clip[0].colour, TAKE_COLOUR_GREEN);
+    assert_int_equal(t.layer[1].clip[1].colour, TAKE_COLOUR_GREEN);
+    assert_int_equal(t.layer[1].clip[2].colour, TAKE_COLOUR_NONE);
+    assert_int_equal(t.layer[0].colour, TAKE_COLOUR_BLUE);
+    help_refused(&t, "{'op':'clip.colour','clip':5,'colour':8}",
+                 "$.colour: expected a whole number");
+    take_finish(&t);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -257,6 +363,10 @@ int main(void)
         cmocka_unit_test(a_curve_stays_within_the_recording),
         cmocka_unit_test(a_clip_is_set),
         cmocka_unit_test(fades_fit_into_their_clip),
+        cmocka_unit_test(what_follows_a_removed_clip_closes_its_gap),
+        cmocka_unit_test(a_trim_a_speed_and_a_move_ripple),
+        cmocka_unit_test(sound_ripples_or_refuses),
+        cmocka_unit_test(a_colour_stays_with_its_clip),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -55,7 +55,7 @@ static inline bool help_same_clip(const take_clip *a, const take_clip *b)
            a->to_ns == b->to_ns && a->start_ns == b->start_ns && a->end_ns == b->end_ns &&
            a->fade_in_ns == b->fade_in_ns && a->fade_out_ns == b->fade_out_ns &&
            a->gain == b->gain && a->smooth_s == b->smooth_s && a->is_muted == b->is_muted &&
-           a->warp_count == b->warp_count &&
+           a->colour == b->colour && a->warp_count == b->warp_count &&
            memcmp(a->warp, b->warp, a->warp_count * sizeof *a->warp) == 0;
 }
 

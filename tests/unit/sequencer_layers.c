@@ -410,9 +410,62 @@ static void who_performs_and_goes_leaves_the_take_as_it_was(void **state)
     }
 }
 
+/* An edit that is dragged: each version is the face that a sequencer of its own gives, and the
+ * checkpoints before the change are kept. */
+static void a_previewed_take_is_the_face_of_its_edit(void **state)
+{
+    (void)state;
+    static const char *const versions[] = {
+        "{'op':'clip.gain','clip':4,'gain':0.4}",
+        "{'op':'clip.gain','clip':4,'gain':1.7}",
+        "{'op':'clip.speed','clip':5,'speed':0.8}",
+        "{'op':'clip.fade','clip':5,'fade_in_ns':500m,'fade_out_ns':300m}",
+        "{'op':'clip.trim','clip':5,'start_ns':2400m}",
+        "{'op':'clip.move','clip':5,'start_ns':1800m}",
+        "{'op':'layer.gain','layer':3,'gain':0.5}",
+        "{'op':'layer.mute','layer':3,'muted':true}",
+    };
+    film *f = shoot(
+        &(scene_play){.mapping = "unanchored", .face = "plane", .params = "gate=off,gain=0.5"});
+    error err = {""};
+    take t = {0};
+    film_take(f, &t);
+    help_do(&t, "{'op':'layer.add','name':'over'}");
+    edit_film(&t, f, OVER);
+    help_do(&t, "{'op':'clip.split','clip':4,'at_ns':2000m}");
+    help_do(&t, "{'op':'clip.trim','clip':4,'end_ns':1900m}");
+    help_do(&t, "{'op':'clip.fade','clip':4,'fade_out_ns':200m}");
+    sequencer *s = film_project(f, &t, 0);
+    (void)film_play_to(s, t.duration_ns - 1);
+    for (size_t i = 0; i < 2 * sizeof versions / sizeof *versions; ++i) {
+        take version = {0};
+        assert_int_equal(take_copy(&version, &t, &err), MRT_OK);
+        if (i % 2 == 0) /* and back to what it was, as after Esc */
+            help_do(&version, versions[i / 2]);
+        scene_must(sequencer_preview_take(s, &version, &err), &err);
+        sequencer *fresh = film_project(f, &version, 0);
+        for (int64_t at_ms = 3500; at_ms > 0; at_ms -= 700)
+            if (film_seek(s, at_ms * help_ms) != film_seek(fresh, at_ms * help_ms))
+                fail_msg("%s: the face at %d ms differs", versions[i / 2], (int)at_ms);
+        sequencer_destroy(fresh);
+        take_finish(&version);
+    }
+    const size_t kept = sequencer_kept_bytes(s);
+    take late = {0};
+    assert_int_equal(take_copy(&late, &t, &err), MRT_OK);
+    help_do(&late, "{'op':'clip.gain','clip':5,'gain':0.5}");
+    scene_must(sequencer_preview_take(s, &late, &err), &err);
+    assert_true(sequencer_kept_bytes(s) > 0 && sequencer_kept_bytes(s) < kept);
+    take_finish(&late);
+    sequencer_destroy(s);
+    take_finish(&t);
+    film_burn(f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_previewed_take_is_the_face_of_its_edit),
         cmocka_unit_test(a_layer_with_the_same_below_it_changes_nothing),
         cmocka_unit_test(parts_of_different_times_stand_side_by_side),
         cmocka_unit_test(an_offset_shows_it_later),

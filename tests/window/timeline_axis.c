@@ -192,13 +192,24 @@ static void a_drag_is_drawn_to_the_nearest_thing(void **state)
     take t = help_take();
     help_do(&t, "{'op':'marker.add','at_ns':5090m,'text':'here'}");
     timeline_snap snap = snap_of(&t);
-    int64_t to_ns;
-    assert_int_equal(timeline_snap_to(&snap, 5030 * help_ms, &to_ns), 5003 * help_ms);
-    assert_int_equal(to_ns, 5003 * help_ms);
-    assert_int_equal(timeline_snap_to(&snap, 5060 * help_ms, &to_ns), 5090 * help_ms);
+    timeline_target to;
+    char words[128];
+    assert_int_equal(timeline_snap_to(&snap, 5030 * help_ms, &to), 5003 * help_ms);
+    assert_int_equal(to.at_ns, 5003 * help_ms);
+    timeline_target_words(words, &to, &t);
+    assert_string_equal(words, "Snaps to the playhead");
+    assert_int_equal(timeline_snap_to(&snap, 5060 * help_ms, &to), 5090 * help_ms);
+    timeline_target_words(words, &to, &t);
+    assert_string_equal(words, "Snaps to marker 'here'");
     snap.without_marker = 0;
-    assert_int_equal(timeline_snap_to(&snap, 5060 * help_ms, &to_ns), 5003 * help_ms);
-    assert_int_equal(timeline_snap_to(&snap, 9950 * help_ms, &to_ns), 10 * help_s);
+    assert_int_equal(timeline_snap_to(&snap, 5060 * help_ms, &to), 5003 * help_ms);
+    assert_int_equal(timeline_snap_to(&snap, 9950 * help_ms, &to), 10 * help_s);
+    timeline_target_words(words, &to, &t);
+    assert_string_equal(words, "Snaps to the end of a clip of 'face'");
+    snap.without_clip = 2;
+    (void)timeline_snap_to(&snap, 9950 * help_ms, &to);
+    timeline_target_words(words, &to, &t);
+    assert_string_equal(words, "Snaps to the end of the take");
     take_finish(&t);
 }
 
@@ -207,13 +218,40 @@ static void away_from_everything_frames_draw(void **state)
     (void)state;
     take t = help_take();
     timeline_snap snap = snap_of(&t);
-    int64_t to_ns;
-    assert_int_equal(timeline_snap_to(&snap, 2017 * help_ms, &to_ns), 2000 * help_ms);
-    assert_true(to_ns == INT64_MIN);
+    timeline_target to;
+    char words[128];
+    assert_int_equal(timeline_snap_to(&snap, 2017 * help_ms, &to), 2000 * help_ms);
+    timeline_target_words(words, &to, &t);
+    assert_string_equal(words, "Snaps to frames");
     assert_int_equal(timeline_snap_to(&snap, 2023 * help_ms, NULL), 2040 * help_ms);
     snap.reach_ns = 0;
-    assert_int_equal(timeline_snap_to(&snap, 2017 * help_ms, &to_ns), 2017 * help_ms);
-    assert_true(to_ns == INT64_MIN);
+    assert_int_equal(timeline_snap_to(&snap, 2017 * help_ms, &to), 2017 * help_ms);
+    assert_int_equal(to.kind, TIMELINE_TARGET_NONE);
+    timeline_target_words(words, &to, &t);
+    assert_string_equal(words, "");
+    take_finish(&t);
+}
+
+/* Unless they would catch every drag: then only frames do. */
+static void beats_and_seconds_draw_where_they_are_apart(void **state)
+{
+    (void)state;
+    take t = help_take();
+    timeline_snap snap = snap_of(&t);
+    timeline_target to;
+    char words[128];
+    snap.beat_ns = help_s;
+    assert_int_equal(timeline_snap_to(&snap, 2917 * help_ms, &to), 3 * help_s);
+    timeline_target_words(words, &to, &t);
+    assert_string_equal(words, "Snaps to a full second");
+    assert_int_equal(timeline_snap_to(&snap, -1050 * help_ms, &to), -help_s);
+    snap.is_beat = true;
+    snap.beat_ns = 750 * help_ms;
+    assert_int_equal(timeline_snap_to(&snap, 2217 * help_ms, &to), 2250 * help_ms);
+    assert_int_equal(to.kind, TIMELINE_TARGET_BEAT);
+    snap.beat_ns = 500 * help_ms;
+    assert_int_equal(timeline_snap_to(&snap, 2467 * help_ms, &to), 2480 * help_ms);
+    assert_int_equal(to.kind, TIMELINE_TARGET_FRAME);
     take_finish(&t);
 }
 
@@ -222,12 +260,12 @@ static void a_span_is_drawn_by_its_nearer_end(void **state)
     (void)state;
     take t = help_take();
     timeline_snap snap = snap_of(&t);
-    int64_t to_ns;
+    timeline_target to;
     /* starts 90 ms from the head, ends 40 ms from the end of the take */
     int64_t length_ns = 10 * help_s - 5003 * help_ms - 50 * help_ms;
-    assert_int_equal(timeline_snap_span(&snap, 5093 * help_ms, length_ns, &to_ns),
+    assert_int_equal(timeline_snap_span(&snap, 5093 * help_ms, length_ns, &to),
                      10 * help_s - length_ns);
-    assert_int_equal(to_ns, 10 * help_s);
+    assert_int_equal(to.at_ns, 10 * help_s);
     take_finish(&t);
 }
 
@@ -245,6 +283,7 @@ int main(void)
         cmocka_unit_test(drop_frame_labels_that_do_not_exist_are_not_written),
         cmocka_unit_test(a_drag_is_drawn_to_the_nearest_thing),
         cmocka_unit_test(away_from_everything_frames_draw),
+        cmocka_unit_test(beats_and_seconds_draw_where_they_are_apart),
         cmocka_unit_test(a_span_is_drawn_by_its_nearer_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

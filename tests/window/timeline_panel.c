@@ -44,6 +44,25 @@ static void near_s(int64_t found_ns, double expected_s, double within_s)
         fail_msg("%.4f s, expected %.4f s", (double)found_ns * 1e-9, expected_s);
 }
 
+static bool has_words(stand *s, const char *part)
+{
+    const ui_word *words;
+    const uint32_t count = ui_words(s->ui, &words);
+    for (uint32_t i = 0; i < count; ++i)
+        if (strstr(words[i].text, part))
+            return true;
+    return false;
+}
+
+static void right_click(stand *s, float x, float y)
+{
+    stand_move(s, x, y);
+    stand_settle(s);
+    stand_button(s, 1, true);
+    stand_button(s, 1, false);
+    stand_settle(s);
+}
+
 /* ---- clips ---- */
 
 static void a_clip_is_dragged_in_time_in_one_step(void **state)
@@ -78,6 +97,7 @@ static void escape_cancels_a_drag(void **state)
     stand_button(s, 0, true);
     stand_move(s, stand_x(s, 7.5), stand_y(s, 0));
     near_s(timeline_take(s->panel)->layer[1].clip[1].start_ns, 6.0, 0.05); /* is shown */
+    near_s(s->preview.layer[1].clip[1].start_ns, 6.0, 0.05);               /* by the face, too */
     assert_int_equal(s->take.layer[1].clip[1].start_ns, 4 * help_s);       /* is not made */
     stand_key(s, UI_KEY_ESCAPE, true);
     stand_key(s, UI_KEY_ESCAPE, false);
@@ -85,10 +105,85 @@ static void escape_cancels_a_drag(void **state)
     stand_button(s, 0, false);
     assert_int_equal(s->step_count, 0);
     assert_ptr_equal(timeline_take(s->panel), &s->take);
+    assert_int_equal(s->preview.id, 0);
     stand_close(s);
 }
 
-static const char trim_status[] = "Trims. With Ctrl: stretch.  Shift: do not snap";
+static void hold_drag(stand *s, float x0, float y0, float x1, float y1)
+{
+    stand_move(s, x0, y0);
+    stand_settle(s);
+    stand_button(s, 0, true);
+    stand_move(s, 0.5f * (x0 + x1), 0.5f * (y0 + y1));
+    stand_move(s, x1, y1);
+    stand_settle(s);
+}
+
+/* The value under the hand, before it is let go; a pointer that rests changes nothing again. */
+static void gain_speed_and_fades_are_on_the_face_while_they_are_dragged(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    const ui_rectangle box = timeline_gain_box(&s->panel->rows, &s->panel->rows.row[0]);
+    const float top = s->panel->rows.row[0].y + 6.0f;
+    hold_drag(s, box.x + 40.0f, box.y + 8.0f, box.x + 10.0f, box.y + 8.0f);
+    assert_float_equal(s->preview.layer[1].gain, 0.75, 1e-9);
+    assert_float_equal(s->take.layer[1].gain, 1.0, 1e-9);
+    const uint32_t before = s->preview_count;
+    stand_settle(s);
+    assert_int_equal(s->preview_count, before);
+    assert_int_equal(s->step_count, 0);
+    stand_button(s, 0, false);
+    assert_int_equal(s->step_count, 1);
+    assert_int_equal(s->preview.id, 0);
+    hold_drag(s, stand_x(s, 1.06), top, stand_x(s, 2.06), top);
+    near_s(s->preview.layer[1].clip[0].fade_in_ns, 1.0, 0.06);
+    stand_button(s, 0, false);
+    assert_int_equal(s->step_count, 2);
+    stand_key(s, UI_KEY_CONTROL, true);
+    hold_drag(s, stand_x(s, 6.97), stand_y(s, 0), stand_x(s, 8.97), stand_y(s, 0));
+    near_s(s->preview.layer[1].clip[1].end_ns, 9.0, 0.05);
+    stand_key(s, UI_KEY_CONTROL, false);
+    stand_key(s, UI_KEY_ESCAPE, true);
+    stand_key(s, UI_KEY_ESCAPE, false);
+    stand_button(s, 0, false);
+    assert_int_equal(s->preview.id, 0);
+    assert_int_equal(s->step_count, 2);
+    stand_close(s);
+}
+
+/* As dragging does: one step at Change, none at Esc; what is not possible is said there. */
+static void the_sliders_of_a_clip_are_on_the_face_too(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    stand_double_click(s, stand_x(s, 5.5), stand_y(s, 0));
+    const ui_word *gain = stand_word(s, "Gain");
+    assert_non_null(gain);
+    const float x = gain->where.x + 150.0f, y = gain->where.y + 8.0f;
+    hold_drag(s, x, y, x + 60.0f, y);
+    assert_true(s->preview.layer[1].clip[1].gain > 1.05);
+    assert_int_equal(s->step_count, 0);
+    stand_button(s, 0, false);
+    stand_key(s, UI_KEY_ESCAPE, true);
+    stand_key(s, UI_KEY_ESCAPE, false);
+    stand_settle(s);
+    assert_int_equal(s->preview.id, 0);
+    assert_int_equal(s->step_count, 0);
+    stand_double_click(s, stand_x(s, 5.5), stand_y(s, 0));
+    hold_drag(s, x, y, x + 60.0f, y);
+    stand_button(s, 0, false);
+    stand_click_word(s, "Change");
+    assert_int_equal(s->step_count, 1);
+    assert_true(s->take.layer[1].clip[1].gain > 1.05);
+    stand_double_click(s, stand_x(s, 5.5), stand_y(s, 0));
+    s->panel->number[3] = 5000.0; /* longer than the clip */
+    stand_settle(s);
+    assert_true(has_words(s, "longer"));
+    stand_close(s);
+}
+
+static const char trim_status[] = "Trims. With Ctrl: stretch.";
 
 static void edges_trim_and_with_ctrl_retime(void **state)
 {
@@ -101,18 +196,133 @@ static void edges_trim_and_with_ctrl_retime(void **state)
     stand_drag(s, stand_x(s, 8.97), stand_y(s, 0), stand_x(s, 6.5), stand_y(s, 0));
     stand_key(s, UI_KEY_CONTROL, false);
     assert_string_equal(s->edited[1], "clip.speed");
-    assert_null(stand_word(s, trim_status));
+    assert_false(has_words(s, trim_status));
     stand_move(s, stand_x(s, 6.5), stand_y(s, 0));
     stand_button(s, 0, true);
     stand_move(s, stand_x(s, 6.8), stand_y(s, 0));
-    assert_non_null(stand_word(s, trim_status)); /* the status line, while it is dragged */
+    assert_true(has_words(s, trim_status)); /* the status line, while it is dragged */
     stand_move(s, stand_x(s, 6.5), stand_y(s, 0));
     stand_key(s, UI_KEY_ESCAPE, true);
     stand_key(s, UI_KEY_ESCAPE, false);
     stand_button(s, 0, false);
-    assert_null(stand_word(s, trim_status));
+    assert_false(has_words(s, trim_status));
     near_s(s->take.layer[1].clip[1].end_ns, 6.52, 0.05);
     assert_int_equal(s->step_count, 2);
+    stand_close(s);
+}
+
+/* As a line and in words; Shift for one drag, the switch for good. */
+static void what_a_drag_snaps_to_is_told(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    help_do(&s->take, "{'op':'marker.add','at_ns':8000m,'text':'cue'}");
+    app_seek(NULL, 9 * help_s);
+    s->edition += 1;
+    stand_settle(s);
+    hold_drag(s, stand_x(s, 6.97), stand_y(s, 0), stand_x(s, 7.98), stand_y(s, 0));
+    assert_true(has_words(s, "Snaps to marker 'cue'  Shift: do not snap"));
+    assert_int_equal(timeline_snapped(s->panel).at_ns, 8 * help_s);
+    stand_picture(s, "snapped");
+    window_hidden_put_away(s->window, true);
+    stand_move(s, stand_x(s, 8.99), stand_y(s, 0));
+    stand_settle(s);
+    assert_true(has_words(s, "Snaps to the playhead"));
+    stand_key(s, UI_KEY_SHIFT, true);
+    stand_move(s, stand_x(s, 7.985), stand_y(s, 0));
+    stand_settle(s);
+    assert_false(has_words(s, "Snaps to"));
+    assert_true(has_words(s, "Does not snap while Shift is held"));
+    assert_int_equal(timeline_snapped(s->panel).kind, TIMELINE_TARGET_NONE);
+    stand_key(s, UI_KEY_SHIFT, false);
+    s->looks.is_snapping = false;
+    stand_move(s, stand_x(s, 7.98), stand_y(s, 0));
+    stand_settle(s);
+    assert_true(has_words(s, "Snap is off"));
+    stand_button(s, 0, false);
+    assert_true(s->take.layer[1].clip[1].end_ns != 8 * help_s);
+    stand_click_word(s, "Snap");
+    assert_int_equal(s->done, ACTION_SNAP);
+    s->looks.is_snapping = true;
+    const float y = s->panel->rows.y + 8.0f; /* a range too */
+    hold_drag(s, stand_x(s, 2.0), y, stand_x(s, 3.99), y);
+    assert_true(has_words(s, "Snaps to the"));
+    stand_button(s, 0, false);
+    stand_close(s);
+}
+
+/* Later clips of all layers, markers and the end of the take move along, in one step. */
+static void with_ripple_what_follows_moves_and_the_status_says_so(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    help_do(&s->take, "{'op':'marker.add','at_ns':8000m,'text':'cue'}");
+    help_do(&s->take, "{'op':'marker.add','at_ns':2000m,'text':'before'}");
+    help_do(&s->take, "{'op':'clip.trim','clip':2,'end_ns':3000m}");
+    s->edition += 1;
+    stand_click_word(s, "Ripple");
+    assert_int_equal(s->done, ACTION_RIPPLE);
+    s->looks.is_rippling = true;
+    stand_settle(s);
+    hold_drag(s, stand_x(s, 3.95), stand_y(s, 0), stand_x(s, 2.95), stand_y(s, 0));
+    assert_true(has_words(s, "Ripple: what follows moves too."));
+    near_s(s->preview.layer[1].clip[1].start_ns, 3.0, 0.06);
+    stand_picture(s, "rippled");
+    window_hidden_put_away(s->window, true);
+    stand_button(s, 0, false);
+    assert_int_equal(s->step_count, 1);
+    assert_string_equal(s->edited[0], "clip.trim");
+    const int64_t by_ns = s->take.layer[1].clip[0].end_ns - 4 * help_s;
+    near_s(by_ns, -1.0, 0.06);
+    assert_int_equal(s->take.layer[1].clip[1].start_ns, 4 * help_s + by_ns);
+    assert_int_equal(s->take.layer[0].clip[0].start_ns, 0);
+    assert_int_equal(s->take.marker[0].at_ns, 2 * help_s);
+    assert_int_equal(s->take.marker[1].at_ns, 8 * help_s + by_ns);
+    assert_int_equal(s->take.duration_ns, 10 * help_s + by_ns);
+    right_click(s, stand_x(s, 2.0), stand_y(s, 0));
+    stand_click_word(s, "Remove and close gap");
+    assert_int_equal(s->step_count, 2);
+    near_s(s->take.layer[1].clip[0].start_ns, 1.0, 0.06);
+    stand_close(s);
+}
+
+/* The chip of a colour in the menu that is open. */
+static void click_colour(stand *s, take_colour colour)
+{
+    const ui_word *word = stand_word(s, "Colour");
+    assert_non_null(word);
+    stand_click(s, word->where.x - 7.0f + UI_CHIP_LABEL + UI_CHIP * ((float)colour + 0.5f),
+                word->where.y + 8.0f);
+    stand_settle(s);
+}
+
+/* By right click; a part of a split has it too. */
+static void clips_and_layers_have_colours(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    right_click(s, stand_x(s, 5.5), stand_y(s, 0));
+    stand_picture(s, "colours_menu");
+    window_hidden_put_away(s->window, true);
+    click_colour(s, TAKE_COLOUR_VIOLET);
+    assert_null(stand_word(s, "Colour")); /* it is done */
+    assert_int_equal(s->step_count, 1);
+    assert_string_equal(s->edited[0], "clip.colour");
+    assert_int_equal(s->take.layer[1].clip[1].colour, TAKE_COLOUR_VIOLET);
+    assert_int_equal(s->take.layer[1].clip[0].colour, TAKE_COLOUR_NONE);
+    right_click(s, 280.0f, s->panel->rows.row[1].y + 8.0f);
+    click_colour(s, TAKE_COLOUR_GREEN);
+    assert_string_equal(s->edited[1], "layer.colour");
+    assert_int_equal(s->take.layer[0].colour, TAKE_COLOUR_GREEN);
+    stand_key(s, UI_KEY_CONTROL, true);
+    stand_double_click(s, stand_x(s, 5.5), stand_y(s, 0));
+    stand_key(s, UI_KEY_CONTROL, false);
+    assert_int_equal(s->take.layer[1].clip[2].colour, TAKE_COLOUR_VIOLET);
+    stand_picture(s, "colours");
+    window_hidden_put_away(s->window, true);
+    right_click(s, stand_x(s, 5.0), stand_y(s, 0));
+    click_colour(s, TAKE_COLOUR_NONE);
+    assert_int_equal(s->take.layer[1].clip[1].colour, TAKE_COLOUR_NONE);
     stand_close(s);
 }
 
@@ -360,15 +570,6 @@ static void pass_half_a_second(stand *s)
         stand_frame(s);
 }
 
-static void right_click(stand *s, float x, float y)
-{
-    stand_move(s, x, y);
-    stand_settle(s);
-    stand_button(s, 1, true);
-    stand_button(s, 1, false);
-    stand_settle(s);
-}
-
 static void stars_are_given_with_a_click(void **state)
 {
     (void)state;
@@ -521,6 +722,11 @@ int main(void)
         cmocka_unit_test(a_clip_is_dragged_in_time_in_one_step),
         cmocka_unit_test(a_click_chooses_and_changes_nothing),
         cmocka_unit_test(escape_cancels_a_drag),
+        cmocka_unit_test(clips_and_layers_have_colours),
+        cmocka_unit_test(what_a_drag_snaps_to_is_told),
+        cmocka_unit_test(with_ripple_what_follows_moves_and_the_status_says_so),
+        cmocka_unit_test(gain_speed_and_fades_are_on_the_face_while_they_are_dragged),
+        cmocka_unit_test(the_sliders_of_a_clip_are_on_the_face_too),
         cmocka_unit_test(edges_trim_and_with_ctrl_retime),
         cmocka_unit_test(upper_corners_fade),
         cmocka_unit_test(a_clip_goes_to_another_layer),

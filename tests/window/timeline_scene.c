@@ -9,6 +9,8 @@
 
 #include "scene.h"
 
+#include <math.h>
+
 static bool has_take(scene *s, void *data)
 {
     const app_take_line *line;
@@ -598,9 +600,117 @@ static void what_is_kept_has_its_marks(void **state)
     scene_close(&s);
 }
 
+/* ---- an edit that is dragged ---- */
+
+static float sum_of_face(const scene *s)
+{
+    const live_view *v = app_view(s->app);
+    float out = 0.0f;
+    for (uint32_t i = 0; i < 3 * v->vertex_count; ++i)
+        out += v->position[i] * (float)(1 + i % 7);
+    return out;
+}
+
+typedef struct face_sum { /* a face, by the sum of its numbers */
+    float sum;
+    bool is_wanted; /* false: any other one */
+} face_sum;
+
+static bool has_face(scene *s, void *data)
+{
+    const face_sum *of = data;
+    return (sum_of_face(s) == of->sum) == of->is_wanted;
+}
+
+typedef struct same_face {
+    float sum;
+    uint32_t frames; /* that it has been for */
+} same_face;
+
+static bool has_same_face(scene *s, void *data)
+{
+    same_face *now = data;
+    const float sum = sum_of_face(s);
+    now->frames = sum == now->sum ? now->frames + 1 : 0;
+    now->sum = sum;
+    return now->frames > 30;
+}
+
+static float still_face(scene *s)
+{
+    same_face now = {0};
+    assert_true(scene_until(s, has_same_face, &now));
+    return now.sum;
+}
+
+static bool is_sought(scene *s, void *data)
+{
+    return app_view(s->app)->at_ns == *(int64_t *)data;
+}
+
+/* Goes to an instant at which the hand moves the face. */
+static float seek_movement(scene *s)
+{
+    const float rest = still_face(s);
+    for (int64_t k = 1; k < 40; ++k) {
+        int64_t at_ns = app_take(s->app)->duration_ns * k / 40;
+        app_seek(s->app, at_ns);
+        assert_true(scene_until(s, is_sought, &at_ns));
+        if (fabsf(sum_of_face(s) - rest) > 1e-4f * rest)
+            return still_face(s);
+    }
+    fail_msg("the hand does not move the face");
+    return rest;
+}
+
+/* At the play head, without an edit; Esc takes it back, letting go makes one step. */
+static void the_face_shows_the_gain_that_is_dragged(void **state)
+{
+    (void)state;
+    scene s;
+    open_hand(&s, 1.0f);
+    record_one(&s);
+    choose_newest(&s);
+    assert_true(scene_until(&s, is_on_stage, NULL));
+    face_sum first = {seek_movement(&s), false};
+    const char *undo = app_undo_words(s.app);
+    char words[EDIT_TEXT];
+    (void)snprintf(words, sizeof words, "%s", undo);
+    const ui_word *gain = scene_word(&s, "100 %");
+    assert_non_null(gain);
+    const float x = gain->where.x + 4.0f, y = gain->where.y + 6.0f;
+    scene_move(&s, x, y);
+    scene_settle(&s);
+    scene_button(&s, 0, true);
+    scene_frames(&s, 2);
+    scene_move(&s, x - 30.0f, y);
+    scene_frames(&s, 2);
+    scene_move(&s, x - 80.0f, y);
+    assert_true(scene_until(&s, has_face, &first));
+    assert_true(app_take(s.app)->layer[0].gain == 1.0);
+    assert_string_equal(app_undo_words(s.app), words);
+    face_sum quiet = {still_face(&s), true};
+    scene_look(&s, "timeline_scene_gain_dragged");
+    scene_key(&s, UI_KEY_ESCAPE, 0);
+    first.is_wanted = true;
+    assert_true(scene_until(&s, has_face, &first));
+    scene_button(&s, 0, false);
+    scene_settle(&s);
+    assert_true(app_take(s.app)->layer[0].gain == 1.0);
+    scene_drag(&s, x, y, x - 80.0f, y, 4);
+    assert_true(app_take(s.app)->layer[0].gain < 1.0);
+    assert_true(scene_until(&s, has_face, &quiet));
+    scene_do(&s, ACTION_UNDO);
+    assert_true(scene_until(&s, has_face, &first));
+    assert_true(app_take(s.app)->layer[0].gain == 1.0);
+    assert_string_equal(app_undo_words(s.app), words);
+    scene_close(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_face_shows_the_gain_that_is_dragged),
         cmocka_unit_test(a_performance_is_recorded_chosen_split_and_undone),
         cmocka_unit_test(the_ruler_brings_the_chosen_take_to_the_stage),
         cmocka_unit_test(a_take_is_named_and_deleted_in_the_list),

@@ -267,6 +267,17 @@ mrt_result app_history_go(app *self, int64_t head)
     return MRT_OK;
 }
 
+void app_preview_take(app *self, const take *t)
+{
+    (void)self;
+    error err = {""};
+    take_finish(&here->preview);
+    here->preview = (take){0};
+    if (t)
+        assert_int_equal(take_copy(&here->preview, t, &err), MRT_OK);
+    here->preview_count += 1;
+}
+
 static mrt_result apply(const edit *e)
 {
     here->refused.text[0] = '\0';
@@ -277,6 +288,7 @@ static mrt_result apply(const edit *e)
         snprintf(here->edited[here->edit_count], sizeof here->edited[0], "%s", edit_name(e->kind));
     here->edit_count += 1;
     here->edition += 1;
+    app_preview_take(NULL, NULL);
     here->last = *e;
     here->transport.end_ns = here->take.duration_ns;
     return MRT_OK;
@@ -558,6 +570,7 @@ void stand_open(stand *s, float width, float height, float scale)
     *s = (stand){.width = width, .height = height, .news = news_list_create()};
     s->choice.marker = -1;
     s->status.can_record = true;
+    s->looks.is_snapping = true;
     s->status.journal_ns = 1800 * NS_PER_S;
     transport_init(&s->transport, 0);
     here = s;

@@ -18,8 +18,10 @@ typedef struct stand {
     char edited[STAND_EDITS][160];   /* "clip.trim", in the order in which they were made */
     edit last;                       /* without what it owns */
     uint32_t edit_count, step_count; /* steps: of undo */
-    undo_change did;                 /* the last step that is the panel's own */
-    undo_change step[STAND_STEPS];   /* all of them */
+    take preview;                    /* on the stage while an edit is dragged; id 0: none */
+    uint32_t preview_count;
+    undo_change did;               /* the last step that is the panel's own */
+    undo_change step[STAND_STEPS]; /* all of them */
     uint32_t did_count;
     error refused;           /* of the last edit that was not possible */
     int64_t duplicated;      /* the last take that was */

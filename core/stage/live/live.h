@@ -251,6 +251,10 @@ CHECKED mrt_result live_set_show(live *self, show *s, error *err);
  * take must belong to the current face or a similar one. Otherwise it returns an error that names
  * the face. */
 CHECKED mrt_result live_show_take(live *self, const take *t, error *err);
+/* Shows another version of the shown take, such as one with an edit that is still being dragged, at
+ * the same instant and in motion as before. The next live_show_take ends it. MRT_HOLD: the stage is
+ * still on its way to the last one and nothing has changed; try again later. */
+CHECKED mrt_result live_preview_take(live *self, const take *t, error *err);
 void live_show_hands(live *self);             /* returns to LIVE_PERFORMS */
 int64_t live_shown_take(const live *self);    /* 0: none */
 const char *live_take_note(const live *self); /* what changed since the recording; "": nothing */

@@ -13,6 +13,11 @@
  * mapping on the puppet, or for hours of an anchored one. */
 static const size_t scrub_bytes = (size_t)64 << 20;
 
+static bool may_move(const live *self)
+{
+    return self->is_shown && !self->is_over;
+}
+
 /* ---- last position of each take ---- */
 
 static void remember_position(live *self)
@@ -276,14 +281,19 @@ static mrt_result show_another(live *self, const take *t, error *err)
     return result;
 }
 
+static void fit_transport(live *self, int64_t duration_ns)
+{
+    int64_t now_ns = clock_now_ns();
+    transport_position position = transport_at(&self->transport, now_ns);
+    self->transport.end_ns = duration_ns;
+    if (position.at_ns > duration_ns)
+        transport_seek(&self->transport, now_ns, duration_ns);
+}
+
 static mrt_result show_again(live *self, const take *t, error *err)
 {
     showing s = {.live = self, .take = t};
-    int64_t now_ns = clock_now_ns();
-    transport_position position = transport_at(&self->transport, now_ns);
-    self->transport.end_ns = t->duration_ns;
-    if (position.at_ns > t->duration_ns)
-        transport_seek(&self->transport, now_ns, t->duration_ns);
+    fit_transport(self, t->duration_ns);
     live_take_hold(self);
     mrt_result result = sequencer_set_take(self->timeline->sequencer, t, err);
     add_note(self, self->timeline->sequencer);
@@ -318,6 +328,24 @@ mrt_result live_show_take(live *self, const take *t, error *err)
     result = take_copy(&self->shown, t, err);
     load_sound(self, t);
     return result;
+}
+
+mrt_result live_preview_take(live *self, const take *t, error *err)
+{
+    showing s = {.live = self, .take = t};
+    if (!may_move(self) || self->timeline->take != t->id)
+        return error_set(err, MRT_ERR_ARGUMENT, "the take is not on the stage");
+    if (atomic_load(&self->timeline->state) == LIVE_TIMELINE_AWAY)
+        return MRT_HOLD;
+    fit_transport(self, t->duration_ns);
+    live_take_hold(self);
+    mrt_result result = sequencer_preview_take(self->timeline->sequencer, t, err);
+    if (result < 0) {
+        live_take_release(self);
+        return result;
+    }
+    load_sound(self, t);
+    return live_run_command(self, change_take, &s, err);
 }
 
 void live_show_hands(live *self)
@@ -368,11 +396,6 @@ transport_position live_position(const live *self)
         return transport_at(&self->transport, clock_now_ns());
     const live_view *seen = &self->scene->board.view[slot_front(&self->scene->board.slot)];
     return (transport_position){.at_ns = seen->at_ns, .pass = seen->pass};
-}
-
-static bool may_move(const live *self)
-{
-    return self->is_shown && !self->is_over;
 }
 
 void live_play(live *self)

@@ -953,6 +953,103 @@ mrt_result sequencer_seek(sequencer *self, int64_t at_ns, error *err)
     return result < 0 ? result : sequencer_play_to(self, at_ns, err);
 }
 
+/* ---- another version of the take ---- */
+
+static bool is_same_clip(const take_clip *a, const take_clip *b)
+{
+    return a->performance == b->performance && a->part == b->part && a->from_ns == b->from_ns &&
+           a->to_ns == b->to_ns && a->start_ns == b->start_ns && a->end_ns == b->end_ns &&
+           a->warp_count == b->warp_count &&
+           memcmp(a->warp, b->warp, a->warp_count * sizeof *a->warp) == 0 &&
+           a->fade_in_ns == b->fade_in_ns && a->fade_out_ns == b->fade_out_ns &&
+           !(a->gain < b->gain || a->gain > b->gain) &&
+           !(a->smooth_s < b->smooth_s || a->smooth_s > b->smooth_s) && a->is_muted == b->is_muted;
+}
+
+static bool is_same_own(const take_layer *a, const take_layer *b)
+{
+    return a->own_count == b->own_count &&
+           (a->own_count == 0 || memcmp(a->own, b->own, a->own_count * sizeof *a->own) == 0);
+}
+
+/* Returns the first start of a clip of `of` that `other` lacks or has in another form, in the
+ * layer's time. INT64_MAX: none. */
+static int64_t first_other_clip_ns(const take_layer *of, const take_layer *other)
+{
+    for (uint32_t i = 0; i < of->clip_count; ++i) {
+        uint32_t k = i; /* most clips keep their place */
+        if (k >= other->clip_count || other->clip[k].id != of->clip[i].id)
+            for (k = 0; k < other->clip_count && other->clip[k].id != of->clip[i].id;)
+                k += 1;
+        if (k >= other->clip_count || !is_same_clip(&of->clip[i], &other->clip[k]))
+            return of->clip[i].start_ns;
+    }
+    return INT64_MAX;
+}
+
+/* A clip fades out by itself where the next one no longer overlaps it. */
+static int64_t with_fades_ns(const take_layer *of, int64_t from_ns)
+{
+    int64_t first_ns = from_ns;
+    for (uint32_t i = 0; i < of->clip_count && of->clip[i].start_ns < from_ns; ++i) {
+        const int64_t fade_ns = of->clip[i].end_ns - of->clip[i].fade_out_ns;
+        if (of->clip[i].end_ns >= from_ns && fade_ns < first_ns)
+            first_ns = fade_ns;
+    }
+    return first_ns;
+}
+
+/* Returns the instant before which both takes give the same face. INT64_MAX: everywhere. */
+static int64_t differs_from_ns(const take *a, const take *b)
+{
+    int64_t first_ns = INT64_MAX;
+    if (a->layer_count != b->layer_count)
+        return INT64_MIN;
+    for (uint32_t i = 0; i < a->layer_count; ++i) {
+        const take_layer *x = &a->layer[i], *y = &b->layer[i];
+        if (x->id != y->id || x->offset_ns != y->offset_ns || x->is_additive != y->is_additive ||
+            own_layer_is_active(a, i) != own_layer_is_active(b, i) || !is_same_own(x, y))
+            return INT64_MIN;
+        const bool is_same_gain = !(x->gain < y->gain || x->gain > y->gain);
+        int64_t at_ns = first_other_clip_ns(x, y), other_ns = first_other_clip_ns(y, x);
+        at_ns = other_ns < at_ns ? other_ns : at_ns;
+        if (!is_same_gain && x->clip_count > 0 && x->clip[0].start_ns < at_ns)
+            at_ns = x->clip[0].start_ns;
+        if (at_ns == INT64_MAX)
+            continue;
+        at_ns = with_fades_ns(x, at_ns);
+        at_ns = with_fades_ns(y, at_ns) + x->offset_ns;
+        first_ns = at_ns < first_ns ? at_ns : first_ns;
+    }
+    return first_ns;
+}
+
+static void forget_checkpoints_from(sequencer *self, int64_t from_ns)
+{
+    while (self->checkpoint_count > 0 &&
+           self->checkpoint[self->checkpoint_count - 1].at_ns >= from_ns) {
+        self->checkpoint_count -= 1;
+        self->checkpoint_bytes -= self->checkpoint[self->checkpoint_count].size;
+        free(self->checkpoint[self->checkpoint_count].bytes);
+    }
+}
+
+/* Replaces the take. No clip plays then, and their replays stay open. */
+static mrt_result exchange_take(sequencer *self, const take *t, error *err)
+{
+    take fresh = {0};
+    mrt_result result = take_copy(&fresh, t, err);
+    if (result < 0)
+        return result;
+    forget_ahead(self);
+    close_plays(self);
+    take_finish(&self->take);
+    self->take = fresh;
+    self->note[0] = '\0';
+    result = list_boundaries(self, err);
+    return result < 0 ? result : list_owned(self, err);
+}
+
 /* ---- create and destroy ---- */
 
 mrt_result sequencer_create(sequencer **out, const sequencer_settings *settings, const take *t,
@@ -1015,24 +1112,26 @@ void sequencer_destroy(sequencer *self)
 
 mrt_result sequencer_set_take(sequencer *self, const take *t, error *err)
 {
-    take fresh = {0};
-    mrt_result result = take_copy(&fresh, t, err);
+    int64_t at_ns = self->now_ns;
+    mrt_result result = exchange_take(self, t, err);
     if (result < 0)
         return result;
-    int64_t at_ns = self->now_ns;
-    forget_ahead(self);
-    close_plays(self);
     close_spares(self); /* a performance may have become longer */
     forget_checkpoints(self);
-    take_finish(&self->take);
-    self->take = fresh;
-    self->note[0] = '\0';
-    result = list_boundaries(self, err);
-    if (result >= 0)
-        result = list_owned(self, err);
-    if (result >= 0)
-        result = restart(self, err);
+    result = restart(self, err);
     return result >= 0 && at_ns >= 0 ? sequencer_seek(self, at_ns, err) : result;
+}
+
+mrt_result sequencer_preview_take(sequencer *self, const take *t, error *err)
+{
+    const int64_t same_until_ns = differs_from_ns(&self->take, t);
+    mrt_result result = exchange_take(self, t, err);
+    if (result < 0)
+        return result;
+    forget_checkpoints_from(self, same_until_ns);
+    self->now_ns = BEFORE_ALL;
+    self->is_touched = true;
+    return MRT_OK;
 }
 
 /* ---- live layer ---- */

@@ -28,6 +28,10 @@ CHECKED mrt_result sequencer_create(sequencer **out, const sequencer_settings *s
 void sequencer_destroy(sequencer *self); /* accepts NULL */
 /* Call after an edit. The sequencer stays at its instant. */
 CHECKED mrt_result sequencer_set_take(sequencer *self, const take *t, error *err);
+/* As sequencer_set_take, for an edit that is still being dragged: it plays nothing, and keeps the
+ * checkpoints before the first instant that changes. Call sequencer_seek next. The recordings must
+ * be those of the take before. */
+CHECKED mrt_result sequencer_preview_take(sequencer *self, const take *t, error *err);
 
 /* Brings the face to an instant, as if the take had been played from its start. All samples up to
  * and including at_ns have been performed. */

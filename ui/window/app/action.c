@@ -147,6 +147,14 @@ static const action_entry entries[ACTION_COUNT] = {
                          UI_KEY_F1 + 6, 0},
     [ACTION_TIMELINE_FIT] = {ACTION_PROGRAM, "timeline_fit", "Fit timeline",
                              "Zoom the timeline to the whole take.", 'Z', UI_SHIFT},
+    [ACTION_SNAP] = {ACTION_PROGRAM, "snap", "Snap",
+                     "Snap drags on the timeline to the playhead, markers, clips, beats and "
+                     "frames. Hold Shift to turn this off for one drag.",
+                     'S', UI_SHIFT},
+    [ACTION_RIPPLE] = {ACTION_PROGRAM, "ripple", "Ripple",
+                       "Move everything that follows a clip when the clip is removed, trimmed, "
+                       "stretched or moved: later clips of all layers, markers and the sound.",
+                       'R', UI_SHIFT},
     [ACTION_OPEN] = {ACTION_PROGRAM, "open", "Open",
                      "Open a show, a face, a recorded hand or a voice. You can also drop the file "
                      "on the window.",

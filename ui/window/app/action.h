@@ -81,6 +81,8 @@ typedef enum action {
     ACTION_PANEL_POSES,   /* Shift+F6 */
     ACTION_TIMELINE,      /* F7: shown or not */
     ACTION_TIMELINE_FIT,  /* Shift+Z */
+    ACTION_SNAP,          /* Shift+S: drags on the timeline snap, or not */
+    ACTION_RIPPLE,        /* Shift+R: what follows moves with edits of clips, or stays */
     ACTION_OPEN,          /* Ctrl+O: a show or a face */
     ACTION_SAVE,          /* Ctrl+S: the rig */
     ACTION_SAVE_AS,       /* Ctrl+Shift+S: the show or the rig, under another name */

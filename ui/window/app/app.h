@@ -250,6 +250,10 @@ CHECKED mrt_result app_history_go(app *self, int64_t head);
 /* Several edits make one undo step. */
 CHECKED mrt_result app_edit(app *self, const edit *e);
 CHECKED mrt_result app_edit_all(app *self, const edit *const *e, uint32_t count);
+/* Shows another version of the selected take on the stage while an edit of it is dragged, without
+ * changing the show. NULL, and each edit, end it. Copies the take. Does nothing while the take is
+ * not on the stage. */
+void app_preview_take(app *self, const take *t);
 /* Edits a take that may not be the selected one (rating, name in the list). */
 CHECKED mrt_result app_edit_take(app *self, int64_t id, const edit *e);
 
@@ -368,6 +372,7 @@ typedef enum app_panel {
 typedef struct app_looks { /* how it is shown; kept between runs */
     bool shows_hands, shows_vectors, shows_supports, shows_contacts, shows_jaw, shows_card;
     bool is_mirrored, is_turning, is_face_only, has_timeline, is_helping;
+    bool is_snapping, is_rippling; /* drags snap; what follows a clip moves with its edits */
     bool has_output, is_output_mirrored;
     bool is_painting;  /* not kept: the brush is on, [ and ] are its size */
     bool is_answering; /* not kept: Space belongs to the panel Hand */

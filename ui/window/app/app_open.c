@@ -43,6 +43,8 @@ static const struct look_switch {
     {ACTION_VIEW_TURNTABLE, offsetof(app_looks, is_turning), "looks.turning", false},
     {ACTION_FACE_ONLY, offsetof(app_looks, is_face_only), "looks.face_only", false},
     {ACTION_TIMELINE, offsetof(app_looks, has_timeline), "looks.timeline", true},
+    {ACTION_SNAP, offsetof(app_looks, is_snapping), "looks.snap", true},
+    {ACTION_RIPPLE, offsetof(app_looks, is_rippling), "looks.ripple", false},
     {ACTION_OUTPUT, offsetof(app_looks, has_output), NULL, false},
     {ACTION_OUTPUT_MIRROR, offsetof(app_looks, is_output_mirrored), "looks.output_mirrored", false},
     {ACTION_HELP, offsetof(app_looks, is_helping), NULL, false},

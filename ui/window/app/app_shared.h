@@ -43,6 +43,8 @@ typedef struct app_takes_state {
     app_choice choice;
     int64_t ranged; /* the take for which the range of the last run was restored */
     int64_t noted;  /* the take of which tell_note reported how it differs */
+    take preview;   /* see app_preview_take; id 0: none */
+    bool has_pending_preview, is_previewed; /* the stage has still to show it; shows one */
 } app_takes_state;
 
 /* A take that is not yet completely stored. */

@@ -128,6 +128,12 @@ static void line_is_stale(app *self, int64_t id)
 
 /* ---- the one that is chosen ---- */
 
+static void end_preview(app *self)
+{
+    take_finish(&self->takes.preview);
+    self->takes.has_pending_preview = self->takes.is_previewed = false;
+}
+
 void app_drop_take(app *self)
 {
     history_close(self->takes.history);
@@ -137,6 +143,7 @@ void app_drop_take(app *self)
     self->takes.chosen = 0;
     self->takes.choice = (app_choice){.marker = -1};
     self->takes.edition += 1;
+    end_preview(self);
 }
 
 mrt_result app_pick_take(app *self, int64_t id)
@@ -193,12 +200,51 @@ static void recall_range(app *self)
 static mrt_result show_chosen(app *self)
 {
     error err = {0};
+    end_preview(self);
     if (!self->takes.history)
         return MRT_OK;
     mrt_result result = live_show_take(self->live, history_take(self->takes.history), &err);
     if (result >= 0)
         recall_range(self);
     return app_report(self, result, &err);
+}
+
+/* ---- the version of an edit that is dragged ---- */
+
+/* Tries again in the next frame if the stage is still on its way to the last version. */
+static void show_preview(app *self)
+{
+    error err = {0};
+    const take *t = self->takes.preview.id ? &self->takes.preview : app_take(self);
+    if (!self->takes.has_pending_preview)
+        return;
+    if (!app_is_take_shown(self) || self->status.is_recording) {
+        end_preview(self);
+        return;
+    }
+    const mrt_result result = live_preview_take(self->live, t, &err);
+    self->takes.has_pending_preview = result == MRT_HOLD;
+    if (result == MRT_HOLD)
+        app_want_frame(self, 0.0);
+    else
+        self->takes.is_previewed = self->takes.preview.id != 0;
+    (void)app_report(self, result, &err);
+}
+
+void app_preview_take(app *self, const take *t)
+{
+    error err = {0};
+    take copy = {0};
+    if (!t && !self->takes.is_previewed && !self->takes.has_pending_preview)
+        return;
+    if (t && take_copy(&copy, t, &err) < 0) {
+        (void)app_report(self, MRT_ERR_MEMORY, &err);
+        return;
+    }
+    take_finish(&self->takes.preview);
+    self->takes.preview = copy;
+    self->takes.has_pending_preview = true;
+    show_preview(self);
 }
 
 mrt_result app_choose_take(app *self, int64_t id)
@@ -420,6 +466,7 @@ void app_takes_update(app *self, double dt_s)
 {
     self->recording.over_ended_s -= dt_s;
     follow_stage_edit(self);
+    show_preview(self);
     tell_note(self);
     if (self->takes.are_stale || self->awaited.take || lacks_recording(self)) {
         self->takes.are_stale = false;
@@ -890,6 +937,8 @@ static void begin_live(app *self)
 static void begin_over(app *self)
 {
     error err = {0};
+    if (self->takes.is_previewed && show_chosen(self) < 0)
+        return;
     const transport *t = live_transport(self->live);
     const take *chosen = app_take(self);
     overdub_plan over = {
@@ -1436,6 +1485,7 @@ static bool make_trim(const app *self, edit *out, bool is_end)
     if (self->takes.choice.clip) {
         edit_init(out, EDIT_CLIP_TRIM);
         out->clip = self->takes.choice.clip;
+        out->is_ripple = self->looks.is_rippling;
         *(is_end ? &out->end_ns : &out->start_ns) = at_ns;
         return true;
     }
@@ -1456,9 +1506,10 @@ static bool make_remove(const app *self, edit *out)
         return true;
     if (choice->marker >= 0)
         out->marker = (uint32_t)choice->marker;
-    else if (choice->clip)
+    else if (choice->clip) {
         out->clip = choice->clip;
-    else
+        out->is_ripple = self->looks.is_rippling;
+    } else
         out->layer = choice->layer;
     return true;
 }

@@ -1005,6 +1005,45 @@ bool ui_menu_item(ui *self, const char *label, const char *keys, bool is_enabled
     return press.is_pressed;
 }
 
+bool ui_menu_colours(ui *self, const char *label, const char *const *names, const uint32_t *colours,
+                     uint32_t count, uint32_t *index)
+{
+    ImFont *font = self->font[UI_FONT_BODY];
+    const float high = ImGui::GetFrameHeight(), padding = ui_whole_px(self, 7.0f);
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    bool is_changed = false;
+    ui_put_text_in(
+        self, font,
+        ImRect(at + ImVec2(padding, 0.0f), at + ImVec2(ui_whole_px(self, UI_CHIP_LABEL), high)),
+        0.0f, THEME_DIM, label, shown_end(label));
+    for (uint32_t i = 0; i < count; ++i) {
+        const float x = ui_whole_px(self, UI_CHIP_LABEL + UI_CHIP * (float)i);
+        ImGui::SetCursorScreenPos(at + ImVec2(x, 0.0f));
+        const ui_pressing press =
+            ui_press_item(self, names[i], ImVec2(ui_whole_px(self, UI_CHIP), high), 0);
+        if (!press.is_seen)
+            continue;
+        ui_notes_control(self->notes, names[i]);
+        const ImVec2 middle = press.box.GetCenter();
+        const float radius = ui_px(self, 7.0f), edge = ui_px(self, 1.5f);
+        ImDrawList *list = ImGui::GetWindowDrawList();
+        if (i == 0)
+            list->AddCircle(middle, radius - edge, ui_ink(self, THEME_DIM), 0, edge);
+        else
+            list->AddCircleFilled(middle, radius, ui_ink(self, colours[i]));
+        if (press.is_hovered || i == *index)
+            list->AddCircle(middle, radius + 1.5f * edge,
+                            ui_ink(self, i == *index ? THEME_ACCENT : THEME_TEXT), 0, edge);
+        ui_hint(self, names[i]);
+        if (press.is_pressed) {
+            is_changed = i != *index;
+            *index = i;
+            ImGui::CloseCurrentPopup();
+        }
+    }
+    return is_changed;
+}
+
 void ui_menu_end(ui *self)
 {
     ui_leave_popup(self);

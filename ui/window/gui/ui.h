@@ -137,6 +137,8 @@ float ui_tabs_height(const ui *self, const char *const *names, uint32_t count, f
 bool ui_tabs(ui *self, const char *id, const char *const *names, uint32_t count, uint32_t *index);
 bool ui_section(ui *self, const char *title, bool is_open_at_first); /* true: open, draw what is in
                                                                         it */
+#define UI_CHIP       22.0f /* width of a colour's chip in a menu */
+#define UI_CHIP_LABEL 66.0f
 typedef enum ui_row_click { UI_ROW_NONE = 0, UI_ROW_CLICKED, UI_ROW_DOUBLE_CLICKED } ui_row_click;
 ui_row_click ui_row(ui *self, const char *label, bool is_selected); /* a line of a list */
 void ui_bar(ui *self, float share, float width, float height, ui_style style); /* 0..1 */
@@ -144,6 +146,10 @@ void ui_hint(ui *self, const char *text);     /* a tooltip, after a moment */
 bool ui_menu_begin(ui *self, const char *id); /* right click on the last widget; then ui_row or
                                                  ui_menu_item, ui_menu_end if true */
 bool ui_menu_item(ui *self, const char *label, const char *keys, bool is_enabled);
+/* A line of a menu with a chip of each colour to the right of its label, of UI_CHIP points each.
+ * The first one, for none, is a ring. True: another one was chosen. */
+bool ui_menu_colours(ui *self, const char *label, const char *const *names, const uint32_t *colours,
+                     uint32_t count, uint32_t *index);
 void ui_menu_end(ui *self);
 /* A question over everything else: ui_dialog_open once, then begin (true while it is open) .. end
  * each frame. Escape closes it. */

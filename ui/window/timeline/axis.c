@@ -317,16 +317,30 @@ uint32_t timeline_ticks(timeline_tick out[TIMELINE_TICKS_MAX], const timeline_ax
 /* ---- snapping ---- */
 
 typedef struct nearest {
-    int64_t at_ns, away_ns, to_ns;
-    bool is_found;
+    int64_t at_ns, away_ns;
+    timeline_target to; /* kind TIMELINE_TARGET_NONE: none found */
 } nearest;
 
-static void consider(nearest *n, int64_t to_ns)
+static void consider(nearest *n, timeline_target_kind kind, int64_t to_ns, uint32_t index)
 {
     int64_t away_ns = to_ns > n->at_ns ? to_ns - n->at_ns : n->at_ns - to_ns;
-    if (away_ns > n->away_ns || (n->is_found && away_ns == n->away_ns))
+    if (away_ns > n->away_ns || (n->to.kind != TIMELINE_TARGET_NONE && away_ns == n->away_ns))
         return;
-    *n = (nearest){n->at_ns, away_ns, to_ns, true};
+    n->away_ns = away_ns;
+    n->to = (timeline_target){kind, to_ns, index};
+}
+
+#define BEATS_APART 6 /* of the snap distance: beats that are closer would catch every drag */
+
+static void consider_beat(nearest *n, const timeline_snap *snap)
+{
+    if (snap->beat_ns < BEATS_APART * snap->reach_ns || snap->beat_ns <= 0)
+        return;
+    const int64_t half_ns = snap->beat_ns / 2;
+    const int64_t shifted_ns = n->at_ns + half_ns;
+    const int64_t count = shifted_ns / snap->beat_ns - (shifted_ns % snap->beat_ns < 0);
+    consider(n, snap->is_beat ? TIMELINE_TARGET_BEAT : TIMELINE_TARGET_SECOND,
+             count * snap->beat_ns, 0);
 }
 
 static nearest find(const timeline_snap *snap, int64_t at_ns)
@@ -336,56 +350,89 @@ static nearest find(const timeline_snap *snap, int64_t at_ns)
     if (snap->reach_ns <= 0)
         return n;
     if (snap->head_ns != INT64_MIN)
-        consider(&n, snap->head_ns);
+        consider(&n, TIMELINE_TARGET_HEAD, snap->head_ns, 0);
     if (snap->in_ns < snap->out_ns) {
-        consider(&n, snap->in_ns);
-        consider(&n, snap->out_ns);
+        consider(&n, TIMELINE_TARGET_RANGE, snap->in_ns, 0);
+        consider(&n, TIMELINE_TARGET_RANGE, snap->out_ns, 0);
     }
-    consider(&n, 0);
-    if (!t)
-        return n;
-    consider(&n, t->duration_ns);
-    for (uint32_t i = 0; i < t->marker_count; ++i)
+    for (uint32_t i = 0; t && i < t->marker_count; ++i)
         if ((int32_t)i != snap->without_marker)
-            consider(&n, t->marker[i].at_ns);
-    for (uint32_t i = 0; i < t->layer_count; ++i)
+            consider(&n, TIMELINE_TARGET_MARKER, t->marker[i].at_ns, i);
+    for (uint32_t i = 0; t && i < t->layer_count; ++i)
         for (uint32_t k = 0; k < t->layer[i].clip_count; ++k) {
             const take_clip *clip = &t->layer[i].clip[k];
             if (clip->id == snap->without_clip)
                 continue;
-            consider(&n, clip->start_ns + t->layer[i].offset_ns);
-            consider(&n, clip->end_ns + t->layer[i].offset_ns);
+            consider(&n, TIMELINE_TARGET_CLIP_START, clip->start_ns + t->layer[i].offset_ns, i);
+            consider(&n, TIMELINE_TARGET_CLIP_END, clip->end_ns + t->layer[i].offset_ns, i);
         }
+    consider(&n, TIMELINE_TARGET_TAKE_START, 0, 0);
+    if (t)
+        consider(&n, TIMELINE_TARGET_TAKE_END, t->duration_ns, 0);
+    if (n.to.kind == TIMELINE_TARGET_NONE)
+        consider_beat(&n, snap);
     return n;
 }
 
 /* Snaps to the nearest frame. */
-static int64_t on_grid(const timeline_snap *snap, int64_t at_ns)
+static int64_t on_grid(const timeline_snap *snap, int64_t at_ns, timeline_target *out_to)
 {
+    timecode_rate rate = snap->code.rate;
     if (snap->reach_ns <= 0)
         return at_ns;
-    timecode_rate rate = snap->code.rate;
-    return timecode_time_ns(rate, timecode_nearest_frame(rate, at_ns));
+    const int64_t frame_ns = timecode_time_ns(rate, timecode_nearest_frame(rate, at_ns));
+    if (out_to)
+        *out_to = (timeline_target){.kind = TIMELINE_TARGET_FRAME, .at_ns = frame_ns};
+    return frame_ns;
 }
 
-int64_t timeline_snap_to(const timeline_snap *snap, int64_t at_ns, int64_t *out_to)
+int64_t timeline_snap_to(const timeline_snap *snap, int64_t at_ns, timeline_target *out_to)
 {
     nearest n = find(snap, at_ns);
     if (out_to)
-        *out_to = n.is_found ? n.to_ns : INT64_MIN;
-    return n.is_found ? n.to_ns : on_grid(snap, at_ns);
+        *out_to = n.to;
+    return n.to.kind != TIMELINE_TARGET_NONE ? n.to.at_ns : on_grid(snap, at_ns, out_to);
 }
 
 int64_t timeline_snap_span(const timeline_snap *snap, int64_t start_ns, int64_t length_ns,
-                           int64_t *out_to)
+                           timeline_target *out_to)
 {
     nearest start = find(snap, start_ns), end = find(snap, start_ns + length_ns);
+    const bool has_start = start.to.kind != TIMELINE_TARGET_NONE;
+    const bool has_end = end.to.kind != TIMELINE_TARGET_NONE;
     if (out_to)
-        *out_to = INT64_MIN;
-    if (!start.is_found && !end.is_found)
-        return on_grid(snap, start_ns);
-    bool by_end = end.is_found && (!start.is_found || end.away_ns < start.away_ns);
+        *out_to = (timeline_target){.kind = TIMELINE_TARGET_NONE};
+    if (!has_start && !has_end)
+        return on_grid(snap, start_ns, out_to);
+    bool by_end = has_end && (!has_start || end.away_ns < start.away_ns);
     if (out_to)
-        *out_to = by_end ? end.to_ns : start.to_ns;
-    return by_end ? end.to_ns - length_ns : start.to_ns;
+        *out_to = by_end ? end.to : start.to;
+    return by_end ? end.to.at_ns - length_ns : start.to.at_ns;
+}
+
+void timeline_target_words(char out[128], const timeline_target *target, const take *t)
+{
+    static const char *const to[] = {
+        [TIMELINE_TARGET_FRAME] = "frames",
+        [TIMELINE_TARGET_SECOND] = "a full second",
+        [TIMELINE_TARGET_BEAT] = "a beat",
+        [TIMELINE_TARGET_TAKE_START] = "the start of the take",
+        [TIMELINE_TARGET_TAKE_END] = "the end of the take",
+        [TIMELINE_TARGET_RANGE] = "the range",
+        [TIMELINE_TARGET_CLIP_START] = "the start of a clip of",
+        [TIMELINE_TARGET_CLIP_END] = "the end of a clip of",
+        [TIMELINE_TARGET_MARKER] = "a marker",
+        [TIMELINE_TARGET_HEAD] = "the playhead",
+    };
+    const bool is_clip =
+        target->kind == TIMELINE_TARGET_CLIP_START || target->kind == TIMELINE_TARGET_CLIP_END;
+    out[0] = '\0';
+    if (target->kind == TIMELINE_TARGET_MARKER && target->index < t->marker_count &&
+        t->marker[target->index].text[0])
+        (void)snprintf(out, 128, "Snaps to marker '%.60s'", t->marker[target->index].text);
+    else if (is_clip && target->index < t->layer_count)
+        (void)snprintf(out, 128, "Snaps to %s '%.60s'", to[target->kind],
+                       t->layer[target->index].name);
+    else if (target->kind != TIMELINE_TARGET_NONE)
+        (void)snprintf(out, 128, "Snaps to %s", to[target->kind]);
 }

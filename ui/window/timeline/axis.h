@@ -65,15 +65,38 @@ typedef struct timeline_snap {
     int64_t head_ns;        /* INT64_MIN: none */
     int64_t in_ns, out_ns;  /* selected range; in >= out: none */
     int64_t reach_ns;       /* snap distance; <= 0: snapping is off, also to frames */
+    int64_t beat_ns;        /* time between beats, or NS_PER_S: seconds; 0: neither */
+    bool is_beat;           /* beat_ns is that of the click */
     uint32_t without_clip;  /* clip whose ends are ignored; 0: none */
     int32_t without_marker; /* -1: none */
 } timeline_snap;
 
-/* Returns the snapped time. *out_to (may be NULL): the target of the snap, for drawing; INT64_MIN:
- * none or a frame. */
-int64_t timeline_snap_to(const timeline_snap *snap, int64_t at_ns, int64_t *out_to);
+typedef enum timeline_target_kind {
+    TIMELINE_TARGET_NONE = 0,
+    TIMELINE_TARGET_FRAME,
+    TIMELINE_TARGET_SECOND,
+    TIMELINE_TARGET_BEAT,
+    TIMELINE_TARGET_TAKE_START,
+    TIMELINE_TARGET_TAKE_END,
+    TIMELINE_TARGET_RANGE,
+    TIMELINE_TARGET_CLIP_START,
+    TIMELINE_TARGET_CLIP_END,
+    TIMELINE_TARGET_MARKER,
+    TIMELINE_TARGET_HEAD
+} timeline_target_kind;
+typedef struct timeline_target { /* what a drag has snapped to */
+    timeline_target_kind kind;
+    int64_t at_ns;
+    uint32_t index; /* of the marker, or of the clip's layer */
+} timeline_target;
+
+/* Returns the snapped time. *out_to may be NULL. Seconds and beats are targets only where they are
+ * several snap distances apart. */
+int64_t timeline_snap_to(const timeline_snap *snap, int64_t at_ns, timeline_target *out_to);
 /* Snaps a span of constant length by the end that is nearer to a target. Returns its new start. */
 int64_t timeline_snap_span(const timeline_snap *snap, int64_t start_ns, int64_t length_ns,
-                           int64_t *out_to);
+                           timeline_target *out_to);
+/* Writes "Snaps to marker 'cue'"; "" for none. */
+void timeline_target_words(char out[128], const timeline_target *target, const take *t);
 
 #endif

@@ -66,8 +66,7 @@ void timeline_drag_begin(timeline_drag *out, timeline_drag_kind kind, const take
                            .clip = hit.clip,
                            .marker = hit.marker < 0 ? 0 : (uint32_t)hit.marker,
                            .grabbed_ns = at_ns,
-                           .sound_ns = sound_ns,
-                           .snapped_ns = INT64_MIN};
+                           .sound_ns = sound_ns};
     const take_layer *layer = timeline_layer(t, hit.layer);
     out->initial = layer ? layer->gain : t->audio.gain;
 }
@@ -83,7 +82,7 @@ static void move(edit *out, timeline_drag *self, const take *t, const timeline_s
         return;
     int64_t start_ns = clip->start_ns + layer->offset_ns;
     int64_t wanted_ns = timeline_snap_span(snap, start_ns + at_ns - self->grabbed_ns,
-                                           clip->end_ns - clip->start_ns, &self->snapped_ns);
+                                           clip->end_ns - clip->start_ns, &self->snapped);
     bool is_other = onto_layer && onto_layer != layer->id;
     if (wanted_ns == start_ns && !is_other)
         return;
@@ -108,7 +107,14 @@ static int64_t latest_ns(const take_clip *clip)
 static int64_t dragged_edge(timeline_drag *self, const timeline_snap *snap, int64_t edge_ns,
                             int64_t at_ns)
 {
-    return timeline_snap_to(snap, edge_ns + at_ns - self->grabbed_ns, &self->snapped_ns);
+    return timeline_snap_to(snap, edge_ns + at_ns - self->grabbed_ns, &self->snapped);
+}
+
+/* A limit of the clip has moved the edge away from the target. */
+static void unsnap(timeline_drag *self, int64_t at_ns)
+{
+    if (self->snapped.at_ns != at_ns)
+        self->snapped = (timeline_target){.kind = TIMELINE_TARGET_NONE};
 }
 
 static void trim(edit *out, timeline_drag *self, const take *t, const timeline_snap *snap,
@@ -127,6 +133,7 @@ static void trim(edit *out, timeline_drag *self, const take *t, const timeline_s
         return;
     int64_t wanted_ns =
         within(dragged_edge(self, snap, edge_ns, at_ns), low_ns + offset_ns, high_ns + offset_ns);
+    unsnap(self, wanted_ns);
     if (wanted_ns == edge_ns)
         return;
     edit_init(out, EDIT_CLIP_TRIM);
@@ -151,6 +158,7 @@ static void retime(edit *out, timeline_drag *self, const take *t, const timeline
     int64_t wanted_ns = dragged_edge(self, snap, edge_ns, at_ns);
     int64_t wanted_length_ns = is_start ? stays_ns - wanted_ns : wanted_ns - stays_ns;
     wanted_length_ns = within(wanted_length_ns, length_ns / 100 + SHORTEST_NS, length_ns * 100);
+    unsnap(self, is_start ? stays_ns - wanted_length_ns : stays_ns + wanted_length_ns);
     if (wanted_length_ns == length_ns)
         return;
     edit_init(out, EDIT_CLIP_SPEED);
@@ -174,6 +182,7 @@ static void fade(edit *out, timeline_drag *self, const take *t, const timeline_s
     int64_t top_ns = dragged_edge(self, snap, is_in ? foot_ns + fade_ns : foot_ns - fade_ns, at_ns);
     int64_t wanted_ns =
         within(is_in ? top_ns - foot_ns : foot_ns - top_ns, 0, length_ns - other_ns);
+    unsnap(self, is_in ? foot_ns + wanted_ns : foot_ns - wanted_ns);
     if (wanted_ns == fade_ns)
         return;
     edit_init(out, EDIT_CLIP_FADE);
@@ -191,6 +200,7 @@ static void move_marker(edit *out, timeline_drag *self, const take *t, const tim
         return;
     int64_t marked_ns = t->marker[self->marker].at_ns;
     int64_t wanted_ns = within(dragged_edge(self, snap, marked_ns, at_ns), 0, t->duration_ns);
+    unsnap(self, wanted_ns);
     if (wanted_ns == marked_ns)
         return;
     edit_init(out, EDIT_MARKER_MOVE);
@@ -257,7 +267,7 @@ static void make(edit *out, timeline_drag *self, const take *t, const timeline_s
                  int64_t at_ns, uint32_t onto_layer, float points)
 {
     *out = (edit){0};
-    self->snapped_ns = INT64_MIN;
+    self->snapped = (timeline_target){.kind = TIMELINE_TARGET_NONE};
     switch (self->kind) {
     case TIMELINE_DRAG_MOVE:
         move(out, self, t, snap, at_ns, onto_layer);
@@ -308,25 +318,65 @@ static bool try_edit(take *out, const take *t, const edit *e, error *err)
     return false;
 }
 
+/* Compares the arguments that drags set. */
+static bool is_same_edit(const edit *a, const edit *b)
+{
+    return a->kind == b->kind && a->clip == b->clip && a->layer == b->layer &&
+           a->marker == b->marker && a->place == b->place && a->start_ns == b->start_ns &&
+           a->end_ns == b->end_ns && a->at_ns == b->at_ns && a->offset_ns == b->offset_ns &&
+           a->fade_in_ns == b->fade_in_ns && a->fade_out_ns == b->fade_out_ns &&
+           !(a->gain < b->gain || a->gain > b->gain) &&
+           !(a->speed < b->speed || a->speed > b->speed);
+}
+
 void timeline_drag_to(timeline_drag *self, const take *t, const timeline_snap *snap, int64_t at_ns,
                       uint32_t onto_layer, float points)
 {
     edit wanted;
     take preview;
     make(&wanted, self, t, snap, at_ns, onto_layer, points);
+    wanted.is_ripple = wanted.kind != EDIT_NONE && timeline_drag_ripples(self);
     self->why.text[0] = '\0';
+    if (is_same_edit(&wanted, &self->made))
+        return;
     if (wanted.kind == EDIT_NONE) {
         take_finish(&self->preview);
         self->made = wanted;
+        self->edition += 1;
         return;
     }
     if (!try_edit(&preview, t, &wanted, &self->why)) {
-        self->snapped_ns = INT64_MIN;
+        self->snapped = (timeline_target){.kind = TIMELINE_TARGET_NONE};
         return;
     }
     take_finish(&self->preview);
     self->preview = preview;
     self->made = wanted;
+    self->edition += 1;
+}
+
+bool timeline_drag_ripples(const timeline_drag *self)
+{
+    return self->is_ripple &&
+           (self->kind == TIMELINE_DRAG_MOVE || self->kind == TIMELINE_DRAG_START ||
+            self->kind == TIMELINE_DRAG_END || self->kind == TIMELINE_DRAG_SPEED_START ||
+            self->kind == TIMELINE_DRAG_SPEED_END);
+}
+
+bool timeline_drag_moves_face(const timeline_drag *self)
+{
+    switch (self->kind) {
+    case TIMELINE_DRAG_NONE:
+    case TIMELINE_DRAG_MARKER:
+    case TIMELINE_DRAG_SOUND:
+    case TIMELINE_DRAG_SOUND_START:
+    case TIMELINE_DRAG_SOUND_END:
+        return false;
+    case TIMELINE_DRAG_GAIN:
+        return self->layer != 0;
+    default:
+        return true;
+    }
 }
 
 const take *timeline_drag_shown(const timeline_drag *self, const take *t)
@@ -338,7 +388,7 @@ void timeline_drag_finish(timeline_drag *self)
 {
     take_finish(&self->preview);
     edit_finish(&self->made);
-    *self = (timeline_drag){.snapped_ns = INT64_MIN};
+    *self = (timeline_drag){.kind = TIMELINE_DRAG_NONE};
 }
 
 /* ---- comping ---- */

@@ -30,13 +30,15 @@ typedef struct timeline_drag {
     timeline_drag_kind kind;
     uint32_t layer, clip; /* dragged items */
     uint32_t marker;
-    int64_t grabbed_ns; /* time at the grabbed point */
-    double initial;     /* gain at the start of the drag */
-    int64_t sound_ns;   /* duration of the take's sound; 0: unknown */
-    take preview;       /* take after the edit; id 0: no change */
-    edit made;          /* EDIT_NONE: no change */
-    int64_t snapped_ns; /* snap target for drawing; INT64_MIN: none */
-    error why;          /* why the edit is not possible; may be "" */
+    int64_t grabbed_ns;      /* time at the grabbed point */
+    double initial;          /* gain at the start of the drag */
+    int64_t sound_ns;        /* duration of the take's sound; 0: unknown */
+    bool is_ripple;          /* what follows the clip moves along */
+    take preview;            /* take after the edit; id 0: no change */
+    edit made;               /* EDIT_NONE: no change */
+    uint32_t edition;        /* grows with each change of `made` */
+    timeline_target snapped; /* what it has snapped to */
+    error why;               /* why the edit is not possible; may be "" */
 } timeline_drag;
 
 const take_layer *timeline_layer(const take *t, uint32_t id); /* NULL: none */
@@ -52,6 +54,10 @@ void timeline_drag_begin(timeline_drag *out, timeline_drag_kind kind, const take
  * none. points: horizontal movement since the start (gain). */
 void timeline_drag_to(timeline_drag *self, const take *t, const timeline_snap *snap, int64_t at_ns,
                       uint32_t onto_layer, float points);
+/* Whether what follows moves with the drag. */
+bool timeline_drag_ripples(const timeline_drag *self);
+/* Whether the drag changes the face: not the sound or a marker. */
+bool timeline_drag_moves_face(const timeline_drag *self);
 /* Returns the take to draw. */
 const take *timeline_drag_shown(const timeline_drag *self, const take *t);
 void timeline_drag_finish(timeline_drag *self); /* accepts zeroed memory */

@@ -293,7 +293,7 @@ static void paint_movement(panel *self, ui *on, const strip *s, uint32_t lane, f
     if (count < 2)
         return;
     ui_draw_area(on, self->column_x, self->column_low, self->column_high, count,
-                 TIMELINE_CURVE_FILL);
+                 (TIMELINE_CURVE_COLOUR & ~0xffu) | TIMELINE_FILL_ALPHA);
     ui_draw_lines(on, self->column_line, count, TIMELINE_CURVE_COLOUR, 1.0f);
 }
 

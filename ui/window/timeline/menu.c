@@ -9,16 +9,34 @@
 #define DIALOG_WIDTH 380.0f
 #define LABEL_WIDTH  110.0f
 
-static void do_edit(panel *self, edit_kind kind, uint32_t lane, uint32_t clip)
+static void do_edit(panel *self, edit_kind kind, uint32_t lane)
 {
     edit e;
     edit_init(&e, kind);
     e.layer = lane;
-    e.clip = clip;
     timeline_edit(self, &e);
 }
 
 /* ---- menus ---- */
+
+/* Chooses the colour of a clip, or of a layer if clip is 0. */
+static void put_colours(panel *self, ui *on, edit_kind kind, uint32_t lane, uint32_t clip,
+                        uint32_t colour)
+{
+    const char *names[TAKE_COLOURS];
+    uint32_t chips[TAKE_COLOURS];
+    edit e;
+    for (uint32_t i = 0; i < TAKE_COLOURS; ++i) {
+        names[i] = timeline_colours[i].name;
+        chips[i] = timeline_colours[i].curve;
+    }
+    edit_init(&e, kind);
+    e.layer = lane;
+    e.clip = clip;
+    e.colour = colour;
+    if (ui_menu_colours(on, "Colour", names, chips, TAKE_COLOURS, &e.colour))
+        timeline_edit(self, &e);
+}
 
 static void clip_menu(panel *self, ui *on, const take *t)
 {
@@ -38,9 +56,18 @@ static void clip_menu(panel *self, ui *on, const take *t)
         timeline_edit(self, &e);
     } else if (ui_menu_item(on, "Speed, gain, fades \u2026", "", true))
         timeline_ask_clip(self, on, clip->id);
+    const take_clip *kept = timeline_clip(app_take(self->app), self->menu.clip, &lane);
+    if (kept)
+        put_colours(self, on, EDIT_CLIP_COLOUR, 0, kept->id, kept->colour);
     key_map_words(&app_looks_of(self->app)->keys, ACTION_REMOVE, keys);
-    if (ui_menu_item(on, "Remove", keys, true))
-        do_edit(self, EDIT_CLIP_REMOVE, 0, self->menu.clip);
+    const bool ripples = app_looks_of(self->app)->is_rippling;
+    if (ui_menu_item(on, ripples ? "Remove and close gap" : "Remove", keys, true)) {
+        edit e;
+        edit_init(&e, EDIT_CLIP_REMOVE);
+        e.clip = self->menu.clip;
+        e.is_ripple = ripples;
+        timeline_edit(self, &e);
+    }
 }
 
 static void move_layer(panel *self, const take_layer *lane, uint32_t layer_index)
@@ -58,6 +85,11 @@ static void layer_menu(panel *self, ui *on, const take *t)
     if (!lane)
         return;
     uint32_t layer_index = (uint32_t)(lane - t->layer);
+    put_colours(self, on, EDIT_LAYER_COLOUR, lane->id, 0, lane->colour);
+    t = app_take(self->app); /* the edit has made another one */
+    lane = timeline_layer(t, self->menu.layer);
+    if (!lane)
+        return;
     if (ui_menu_item(on, "Name and parts \u2026", "", true))
         timeline_ask_layer(self, on, lane->id);
     else if (ui_menu_item(on, "Move up", "", layer_index + 1 < t->layer_count))
@@ -65,7 +97,7 @@ static void layer_menu(panel *self, ui *on, const take *t)
     else if (ui_menu_item(on, "Move down", "", layer_index > 0))
         move_layer(self, lane, layer_index - 1);
     else if (ui_menu_item(on, "Remove", "", true))
-        do_edit(self, EDIT_LAYER_REMOVE, lane->id, 0);
+        do_edit(self, EDIT_LAYER_REMOVE, lane->id);
 }
 
 static void marker_menu(panel *self, ui *on)
@@ -104,6 +136,13 @@ static void ruler_menu(panel *self, ui *on)
         cut_range(self, EDIT_RANGE_CUT, true);
     if (ui_menu_item(on, "Clear range and leave gap", "", has_range))
         cut_range(self, EDIT_RANGE_CUT, false);
+    if (ui_menu_item(on, "Insert a gap of that length", "", has_range)) {
+        edit e;
+        edit_init(&e, EDIT_RANGE_INSERT);
+        e.at_ns = in_ns;
+        e.length_ns = out_ns - in_ns;
+        timeline_edit(self, &e);
+    }
 }
 
 static void keep_span(panel *self, int64_t in_ns, int64_t out_ns)
@@ -171,7 +210,7 @@ static void sound_menu(panel *self, ui *on, const take_audio *audio)
         timeline_edit(self, &e);
     }
     if (ui_menu_item(on, "Remove sound", "", true))
-        do_edit(self, EDIT_AUDIO_DETACH, 0, 0);
+        do_edit(self, EDIT_AUDIO_DETACH, 0);
 }
 
 static bool is_ruler(timeline_part part)
@@ -320,6 +359,8 @@ void timeline_ask_clip(panel *self, ui *on, uint32_t id)
     self->number[2] = clip->smooth_s * 1000.0;
     self->number[3] = (double)clip->fade_in_ns * 1e-6;
     self->number[4] = (double)clip->fade_out_ns * 1e-6;
+    memcpy(self->previewed, self->number, sizeof self->previewed);
+    self->clip_why.text[0] = '\0';
     ui_dialog_open(on, "timeline_clip");
 }
 
@@ -328,38 +369,75 @@ static int64_t ns_of_ms(double ms)
     return (int64_t)floor(ms * 1e6 + 0.5);
 }
 
-static void answer_clip(panel *self)
+enum { CLIP_EDITS = 4 };
+
+/* Makes the edits that give the clip the values of the dialog; only those that change it. */
+static uint32_t make_clip_edits(const panel *self, edit out[CLIP_EDITS])
 {
     const take *t = app_take(self->app);
     const take_layer *lane;
     const take_clip *clip = t ? timeline_clip(t, self->asked_clip, &lane) : NULL;
-    edit made[4];
-    const edit *list[4];
     uint32_t count = 0;
     if (!clip)
-        return;
-    static const edit_kind kind[4] = {EDIT_CLIP_SPEED, EDIT_CLIP_GAIN, EDIT_CLIP_SMOOTH,
-                                      EDIT_CLIP_FADE};
-    for (uint32_t i = 0; i < 4; ++i) {
-        edit_init(&made[i], kind[i]);
-        made[i].clip = self->asked_clip;
+        return 0;
+    const double speed = timeline_clip_speed(clip), gain = self->number[1] * 0.01;
+    const double smooth_s = self->number[2] * 0.001;
+    const int64_t in_ns = ns_of_ms(self->number[3]), out_ns = ns_of_ms(self->number[4]);
+    if (fabs(self->number[0] - speed) > 0.0006) {
+        edit_init(&out[count], EDIT_CLIP_SPEED);
+        out[count].is_ripple = app_looks_of(self->app)->is_rippling;
+        out[count++].speed = self->number[0] / speed;
     }
-    double speed = timeline_clip_speed(clip);
-    made[0].speed = self->number[0] / speed;
-    made[1].gain = self->number[1] * 0.01;
-    made[2].smooth_s = self->number[2] * 0.001;
-    made[3].fade_in_ns = ns_of_ms(self->number[3]);
-    made[3].fade_out_ns = ns_of_ms(self->number[4]);
-    if (fabs(self->number[0] - speed) > 0.0006)
-        list[count++] = &made[0];
-    if (fabs(made[1].gain - clip->gain) > 1e-4)
-        list[count++] = &made[1];
-    if (fabs(made[2].smooth_s - clip->smooth_s) > 1e-6)
-        list[count++] = &made[2];
-    if (made[3].fade_in_ns != clip->fade_in_ns || made[3].fade_out_ns != clip->fade_out_ns)
-        list[count++] = &made[3];
-    if (count)
-        (void)!app_edit_all(self->app, list, count);
+    if (fabs(gain - clip->gain) > 1e-4) {
+        edit_init(&out[count], EDIT_CLIP_GAIN);
+        out[count++].gain = gain;
+    }
+    if (fabs(smooth_s - clip->smooth_s) > 1e-6) {
+        edit_init(&out[count], EDIT_CLIP_SMOOTH);
+        out[count++].smooth_s = smooth_s;
+    }
+    if (in_ns != clip->fade_in_ns || out_ns != clip->fade_out_ns) {
+        edit_init(&out[count], EDIT_CLIP_FADE);
+        out[count].fade_in_ns = in_ns;
+        out[count++].fade_out_ns = out_ns;
+    }
+    for (uint32_t i = 0; i < count; ++i)
+        out[i].clip = self->asked_clip;
+    return count;
+}
+
+static void answer_clip(panel *self)
+{
+    edit made[CLIP_EDITS];
+    const edit *list[CLIP_EDITS];
+    const uint32_t count = make_clip_edits(self, made);
+    for (uint32_t i = 0; i < count; ++i)
+        list[i] = &made[i];
+    if (count && app_edit_all(self->app, list, count) >= 0)
+        self->has_clip_preview = false;
+}
+
+/* Shows the values of the dialog on the stage. If they are not possible, the last possible ones
+ * stay there. */
+static void preview_clip(panel *self)
+{
+    edit made[CLIP_EDITS];
+    const uint32_t count = make_clip_edits(self, made);
+    take copy = {0};
+    self->clip_why.text[0] = '\0';
+    memcpy(self->previewed, self->number, sizeof self->previewed);
+    if (count == 0) {
+        app_preview_take(self->app, NULL);
+        return;
+    }
+    mrt_result result = take_copy(&copy, app_take(self->app), &self->clip_why);
+    for (uint32_t i = 0; i < count && result >= 0; ++i)
+        result = edit_apply_onto(&copy, &made[i], &self->clip_why);
+    if (result >= 0) {
+        app_preview_take(self->app, &copy);
+        self->has_clip_preview = true;
+    }
+    take_finish(&copy);
 }
 
 static void clip_dialog(panel *self, ui *on)
@@ -370,13 +448,21 @@ static void clip_dialog(panel *self, ui *on)
                                       {0.0, 500.0, "ms", 0, true, 0.0},
                                       {0.0, 5000.0, "ms", 0, true, 0.0},
                                       {0.0, 5000.0, "ms", 0, true, 0.0}};
-    if (!ui_dialog_begin(on, "timeline_clip", "Clip", DIALOG_WIDTH))
+    if (!ui_dialog_begin(on, "timeline_clip", "Clip", DIALOG_WIDTH)) {
+        if (self->has_clip_preview)
+            app_preview_take(self->app, NULL);
+        self->has_clip_preview = false;
         return;
+    }
     for (uint32_t i = 0; i < 5; ++i) {
         ui_width(on, -1.0f);
         (void)ui_slider(on, label[i], LABEL_WIDTH, &range[i], &self->number[i]);
     }
-    if (end_dialog(on, "Change", true))
+    if (memcmp(self->previewed, self->number, sizeof self->previewed) != 0)
+        preview_clip(self);
+    if (self->clip_why.text[0])
+        ui_text_wrapped(on, UI_STYLE_WARNING, self->clip_why.text);
+    if (end_dialog(on, "Change", !self->clip_why.text[0]))
         answer_clip(self);
     ui_dialog_end(on);
 }

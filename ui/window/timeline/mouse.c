@@ -1,5 +1,7 @@
 #include "window/timeline/timeline.h"
 
+#include "base/clock.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -52,7 +54,10 @@ static timeline_snap snap_now(const panel *self, bool is_free)
     (void)timeline_range(self, &snap.in_ns, &snap.out_ns);
     if (self->drag.kind == TIMELINE_DRAG_MARKER)
         snap.without_marker = (int32_t)self->drag.marker;
-    if (self->is_snapping && !is_free)
+    const live_click click = app_click(self->app);
+    snap.is_beat = click.when != LIVE_CLICK_OFF;
+    snap.beat_ns = snap.is_beat ? (int64_t)(60e9 / click.bpm) : NS_PER_S;
+    if (app_looks_of(self->app)->is_snapping && !is_free)
         snap.reach_ns = timeline_axis_span_ns(&self->axis, SNAP_POINTS);
     return snap;
 }
@@ -186,6 +191,7 @@ static void begin(panel *self, const ui_canvas *canvas)
         return;
     timeline_drag_begin(&self->drag, kind, t, self->pressed, self->pressed_ns,
                         timeline_sound_ns(self));
+    self->drag.is_ripple = app_looks_of(self->app)->is_rippling;
     self->edition = app_take_edition(self->app);
     self->gesture = GESTURE_EDIT;
 }
@@ -206,24 +212,29 @@ static uint32_t layer_under(const panel *self, const ui_canvas *canvas)
 static void drag_edit(panel *self, const ui_canvas *canvas)
 {
     const take *t = app_take(self->app);
-    timeline_snap snap = snap_now(self, (canvas->modifiers & UI_SHIFT) != 0);
+    self->is_free = (canvas->modifiers & UI_SHIFT) != 0;
+    timeline_snap snap = snap_now(self, self->is_free);
     if (!t || self->edition != app_take_edition(self->app)) {
         timeline_drag_finish(&self->drag);
         self->gesture = GESTURE_NONE;
         return;
     }
+    const uint32_t before = self->drag.edition;
     timeline_drag_to(&self->drag, t, &snap, pointed_ns(self, canvas), layer_under(self, canvas),
                      canvas->x - canvas->start_x);
+    if (self->drag.edition != before && timeline_drag_moves_face(&self->drag))
+        app_preview_take(self->app, self->drag.made.kind == EDIT_NONE ? NULL : &self->drag.preview);
 }
 
 /* Drags one end of the range: span_to. The other end stays. */
 static void drag_range(panel *self, const ui_canvas *canvas)
 {
-    timeline_snap snap = snap_now(self, (canvas->modifiers & UI_SHIFT) != 0);
+    self->is_free = (canvas->modifiers & UI_SHIFT) != 0;
+    timeline_snap snap = snap_now(self, self->is_free);
     const take *t = app_take(self->app);
     int64_t most_ns = t ? t->duration_ns : 0;
     snap.in_ns = snap.out_ns = 0; /* the range does not snap to itself */
-    int64_t at_ns = timeline_snap_to(&snap, pointed_ns(self, canvas), NULL);
+    int64_t at_ns = timeline_snap_to(&snap, pointed_ns(self, canvas), &self->range_snapped);
     at_ns = at_ns < 0 ? 0 : at_ns > most_ns ? most_ns : at_ns;
     if (self->pressed.part == TIMELINE_RANGE_IN)
         self->span_from_ns = at_ns;
@@ -322,9 +333,12 @@ static void end_edit(panel *self)
     error why = self->drag.why;
     self->drag.made = (edit){0};
     timeline_drag_finish(&self->drag);
-    if (made.kind != EDIT_NONE)
+    if (made.kind != EDIT_NONE) {
         timeline_edit(self, &made);
-    else if (why.text[0])
+        return;
+    }
+    app_preview_take(self->app, NULL);
+    if (why.text[0])
         timeline_report(self, &why);
 }
 
@@ -468,6 +482,7 @@ void timeline_mouse(panel *self, ui *on, const ui_canvas *canvas)
     turn_wheel(self, canvas);
     if (self->gesture != GESTURE_NONE && ui_is_down(on, UI_KEY_ESCAPE)) {
         timeline_drag_finish(&self->drag);
+        app_preview_take(self->app, NULL);
         self->gesture = GESTURE_NONE;
     }
     if (canvas->is_pressed)

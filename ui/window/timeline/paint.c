@@ -7,6 +7,20 @@
 
 #define HEIGHT 18.0f
 
+/* Dark enough for the curve and the words on it, and apart from the accent, which is what is
+ * chosen.
+ */
+const timeline_colour timeline_colours[TAKE_COLOURS] = {
+    [TAKE_COLOUR_NONE] = {"No colour", 0x2c3a41ffu, TIMELINE_CURVE_COLOUR},
+    [TAKE_COLOUR_RED] = {"Red", 0x4a2f31ffu, 0xd98a88ffu},
+    [TAKE_COLOUR_ORANGE] = {"Orange", 0x4a3628ffu, 0xdb9c70ffu},
+    [TAKE_COLOUR_YELLOW] = {"Yellow", 0x42402affu, 0xc9c074ffu},
+    [TAKE_COLOUR_GREEN] = {"Green", 0x2d4232ffu, 0x86bf8effu},
+    [TAKE_COLOUR_TEAL] = {"Teal", 0x24423fffu, 0x6fc2b6ffu},
+    [TAKE_COLOUR_BLUE] = {"Blue", 0x2b3b56ffu, 0x84a9e4ffu},
+    [TAKE_COLOUR_VIOLET] = {"Violet", 0x3c3152ffu, 0xb099dfffu},
+};
+
 typedef struct switch_row { /* position in a row of switches in the corner */
     ui *on;
     const ui_canvas *canvas;
@@ -37,6 +51,16 @@ static void put_switch(panel *self, switch_row *p, const char *word, const char 
         *value = !*value;
     if (is_over)
         self->hint = help;
+}
+
+/* Draws the switch of an action, bright while what follows ripples. */
+static void put_action(panel *self, switch_row *p, action of, bool is_on, bool is_bright)
+{
+    bool is_over;
+    if (put_word(p, action_of(of)->title, 0.0f, is_on, is_bright, &is_over))
+        app_do(self->app, of);
+    if (is_over)
+        self->hint = action_of(of)->help;
 }
 
 static void put_regions(panel *self, switch_row *p)
@@ -71,10 +95,9 @@ static void put_name(panel *self, switch_row *p, const take *t)
 void timeline_paint_corner(panel *self, ui *on, const ui_canvas *canvas)
 {
     switch_row p = {.on = on, .canvas = canvas, .x = self->rows.x + 4.0f, .y = self->rows.y + 2.0f};
-    put_switch(self, &p, "Snap",
-               "Snap to the playhead, clips, markers and frames. Hold Shift to turn this off for "
-               "one drag.",
-               &self->is_snapping);
+    const app_looks *looks = app_looks_of(self->app);
+    put_action(self, &p, ACTION_SNAP, looks->is_snapping, false);
+    put_action(self, &p, ACTION_RIPPLE, looks->is_rippling, true);
     put_switch(self, &p, "Follow", "Scroll the timeline with the playhead.", &self->is_following);
     put_switch(self, &p, "Takes",
                "Show other takes of the same slate below. Swipe their best passes into this take.",
@@ -288,11 +311,12 @@ typedef struct look {
     uint32_t ground, curve, fill;
 } look;
 
-static look look_of(const take_clip *clip, bool is_heard)
+static look look_of(const take_layer *lane, const take_clip *clip, bool is_heard)
 {
+    const timeline_colour *of = &timeline_colours[clip->colour ? clip->colour : lane->colour];
     if (clip->is_muted || !is_heard)
         return (look){TIMELINE_MUTED_CLIP, TIMELINE_MUTED_CURVE, TIMELINE_MUTED_FILL};
-    return (look){TIMELINE_CLIP_COLOUR, TIMELINE_CURVE_COLOUR, TIMELINE_CURVE_FILL};
+    return (look){of->ground, of->curve, (of->curve & ~0xffu) | TIMELINE_FILL_ALPHA};
 }
 
 /* ---- the curve ---- */
@@ -428,7 +452,7 @@ static void paint_clip(panel *self, ui *on, ui_rectangle box, const take_layer *
 {
     const app_choice *choice = app_chosen(self->app);
     bool is_chosen = owner == 0 && choice->clip == clip->id;
-    look as = look_of(clip, is_heard);
+    look as = look_of(lane, clip, is_heard);
     ui_rectangle where = visible_part(self, box);
     if (where.width <= 0.0f)
         return;
@@ -503,6 +527,9 @@ static void paint_layer_head(panel *self, ui *on, const timeline_row *row, const
     float name = ui_text_width(on, UI_STYLE_STRONG, lane->name);
     float most = 0.62f * width;
     name = name < most ? name : most;
+    if (lane->colour)
+        ui_draw_box(on, (ui_rectangle){self->rows.x, row->y, 3.0f, row->height},
+                    timeline_colours[lane->colour].curve, 0.0f);
     ui_draw_text(on, x, row->y + 4.0f, UI_STYLE_STRONG,
                  lane->is_muted              ? THEME_DIM
                  : choice->layer == lane->id ? THEME_ACCENT
@@ -628,13 +655,17 @@ static void paint_end(panel *self, ui *on, const take *t)
                     0.0f);
 }
 
-static void paint_snap(panel *self, ui *on)
+/* Draws what the drag has snapped to, over ruler and lanes. A frame is too near to need a line. */
+void timeline_paint_snap(panel *self, ui *on)
 {
-    if (self->gesture != GESTURE_EDIT || self->drag.snapped_ns == INT64_MIN)
+    const timeline_target to = timeline_snapped(self);
+    const ui_rectangle time = {self->axis.x, self->rows.y, self->axis.width, self->rows.height};
+    if (to.kind <= TIMELINE_TARGET_FRAME)
         return;
-    float x = timeline_axis_x(&self->axis, self->drag.snapped_ns);
-    ui_draw_line(on, x, self->rows.lanes_y, x, self->rows.y + self->rows.height, THEME_ACCENT,
-                 1.0f);
+    float x = timeline_axis_x(&self->axis, to.at_ns);
+    ui_clip_begin(on, time);
+    ui_draw_line(on, x, self->rows.y, x, self->rows.y + self->rows.height, THEME_ACCENT, 2.0f);
+    ui_clip_end(on);
 }
 
 void timeline_paint_rows(panel *self, ui *on)
@@ -650,6 +681,5 @@ void timeline_paint_rows(panel *self, ui *on)
             self->rows.row[i].y + self->rows.row[i].height > all.y)
             paint_row(self, on, &self->rows.row[i], t);
     paint_end(self, on, t);
-    paint_snap(self, on);
     ui_clip_end(on);
 }

@@ -197,6 +197,14 @@ int64_t timeline_head_ns(const panel *self)
     return app_is_take_shown(self->app) ? live_position(app_live(self->app)).at_ns : 0;
 }
 
+timeline_target timeline_snapped(const panel *self)
+{
+    if (self->gesture == GESTURE_EDIT)
+        return self->drag.snapped;
+    return self->gesture == GESTURE_RANGE ? self->range_snapped
+                                          : (timeline_target){.kind = TIMELINE_TARGET_NONE};
+}
+
 void timeline_span_now(const panel *self, int64_t *out_from_ns, int64_t *out_to_ns)
 {
     const bool is_turned = self->span_from_ns > self->span_to_ns;
@@ -381,16 +389,14 @@ static void follow_head(panel *self)
 
 /* ---- drawing ---- */
 
-/* Returns what modifiers do in the current drag. "": nothing. */
-static const char *modifiers_of(const panel *self)
+/* Returns what the current drag does. "": nothing is told. */
+static const char *drag_words(const panel *self)
 {
     switch (self->gesture) {
     case GESTURE_SWIPE:
         return "Copies what is swiped into the take. With Ctrl: shift the other take.";
     case GESTURE_SLIDE:
         return "Shifts the other take in time.";
-    case GESTURE_RANGE:
-        return "Shift: do not snap";
     case GESTURE_EDIT:
         break;
     default:
@@ -399,34 +405,78 @@ static const char *modifiers_of(const panel *self)
     switch (self->drag.kind) {
     case TIMELINE_DRAG_START:
     case TIMELINE_DRAG_END:
-        return "Trims. With Ctrl: stretch.  Shift: do not snap";
+        return "Trims. With Ctrl: stretch.";
     case TIMELINE_DRAG_SPEED_START:
     case TIMELINE_DRAG_SPEED_END:
-        return "Stretches.  Shift: do not snap";
-    case TIMELINE_DRAG_MOVE:
-    case TIMELINE_DRAG_MARKER:
-    case TIMELINE_DRAG_SOUND:
-    case TIMELINE_DRAG_SOUND_START:
-    case TIMELINE_DRAG_SOUND_END:
-        return "Shift: do not snap";
+        return "Stretches.";
     default:
         return "";
     }
 }
 
-/* Draws the status line of a drag: why it is refused, or else what modifiers do. */
+/* Whether times of the current drag snap to targets. The sound is aligned by ear. */
+static bool drag_snaps(const panel *self)
+{
+    if (self->gesture == GESTURE_RANGE)
+        return true;
+    if (self->gesture != GESTURE_EDIT)
+        return false;
+    switch (self->drag.kind) {
+    case TIMELINE_DRAG_MOVE:
+    case TIMELINE_DRAG_START:
+    case TIMELINE_DRAG_END:
+    case TIMELINE_DRAG_SPEED_START:
+    case TIMELINE_DRAG_SPEED_END:
+    case TIMELINE_DRAG_FADE_IN:
+    case TIMELINE_DRAG_FADE_OUT:
+    case TIMELINE_DRAG_MARKER:
+        return true;
+    default:
+        return false;
+    }
+}
+
+/* "Snaps to the playhead  (Shift: do not snap)" */
+static void write_snap(const panel *self, char out[192])
+{
+    char target[128], keys[KEY_WORDS];
+    const timeline_target to = timeline_snapped(self);
+    out[0] = '\0';
+    if (!drag_snaps(self))
+        return;
+    timeline_target_words(target, &to, app_take(self->app));
+    key_map_words(&app_looks_of(self->app)->keys, ACTION_SNAP, keys);
+    if (!app_looks_of(self->app)->is_snapping)
+        (void)snprintf(out, 192, "Snap is off%s%s%s", keys[0] ? "  (" : "", keys,
+                       keys[0] ? ": on)" : "");
+    else if (self->is_free)
+        (void)snprintf(out, 192, "Does not snap while Shift is held");
+    else
+        (void)snprintf(out, 192, "%s%sShift: do not snap", target, target[0] ? "  " : "");
+}
+
+/* Draws the status line of a drag: why it is refused, or else what it does, what follows it and
+ * what it snaps to. */
 static void paint_drag_status(panel *self, ui *on)
 {
     const bool is_refused = self->gesture == GESTURE_EDIT && self->drag.why.text[0];
-    const char *why = is_refused ? self->drag.why.text : modifiers_of(self);
-    if (!why[0])
+    char snaps[192], words[400];
+    const char *does = drag_words(self);
+    const bool ripples = self->gesture == GESTURE_EDIT && timeline_drag_ripples(&self->drag);
+    write_snap(self, snaps);
+    if (is_refused)
+        (void)snprintf(words, sizeof words, "%.399s", self->drag.why.text);
+    else
+        (void)snprintf(words, sizeof words, "%s%s%s%s%s", snaps, snaps[0] && does[0] ? "  " : "",
+                       does, ripples ? "  " : "", ripples ? "Ripple: what follows moves too." : "");
+    if (!words[0])
         return;
-    float width = ui_text_width(on, UI_STYLE_BODY, why), room = self->axis.width - 24.0f;
+    float width = ui_text_width(on, UI_STYLE_BODY, words), room = self->axis.width - 24.0f;
     width = width < room ? width : room;
     float y = self->rows.y + self->rows.height - 28.0f;
     ui_draw_box(on, (ui_rectangle){self->axis.x + 6.0f, y, width + 14.0f, 22.0f}, THEME_BAR, 4.0f);
     ui_draw_text(on, self->axis.x + 13.0f, y + 2.0f, UI_STYLE_BODY,
-                 is_refused ? THEME_WARNING : THEME_TEXT, width + 1.0f, why);
+                 is_refused ? THEME_WARNING : THEME_TEXT, width + 1.0f, words);
 }
 
 static void draw_take(panel *self, ui *on, const ui_canvas *canvas)
@@ -452,6 +502,7 @@ static void draw_take(panel *self, ui *on, const ui_canvas *canvas)
     timeline_paint_rows(self, on);
     timeline_paint_over(self, on);
     timeline_paint_head(self, on);
+    timeline_paint_snap(self, on);
     paint_drag_status(self, on);
 }
 
@@ -506,7 +557,6 @@ static panel *create(app *of)
     if (!self)
         return NULL;
     *self = (panel){.app = of,
-                    .is_snapping = true,
                     .is_following = true,
                     .regions = 1u << OWN_MOUTH,
                     .journal_span_ns = 60 * NS_PER_S,

@@ -15,9 +15,8 @@
 
 /* ---- colours of the timeline ---- */
 
-#define TIMELINE_CLIP_COLOUR  0x2c3a41ffu
 #define TIMELINE_CURVE_COLOUR 0x86a9b8ffu
-#define TIMELINE_CURVE_FILL   0x86a9b83cu
+#define TIMELINE_FILL_ALPHA   0x3cu /* of a curve's area, which has the colour of its line */
 #define TIMELINE_MUTED_CLIP   0x22262affu
 #define TIMELINE_MUTED_CURVE  0x86a9b848u
 #define TIMELINE_MUTED_FILL   0x86a9b818u
@@ -27,6 +26,12 @@
 #define TIMELINE_SHADE        0x0d0f1190u /* faded part of a clip */
 #define TIMELINE_RANGE_COLOUR 0xd9a44133u
 #define TIMELINE_HEAD_COLOUR  0xe6e3dcffu /* the playhead */
+
+typedef struct timeline_colour { /* of a clip, by take_colour (paint.c) */
+    const char *name;
+    uint32_t ground, curve;
+} timeline_colour;
+extern const timeline_colour timeline_colours[TAKE_COLOURS];
 
 /* ---- filter of the take list, newest first: all, good or deleted takes, with a text search in
  * title and note (take_list.c). Pure, except for its own memory ---- */
@@ -132,7 +137,7 @@ struct panel {
     bool is_fit; /* show the whole take, also while it grows */
     int64_t last_head_ns;
     /* settings of the user */
-    bool is_snapping, is_following, has_comps;
+    bool is_following, has_comps;
     uint32_t regions; /* regions that a swipe comps */
     timeline_slid slid[TIMELINE_COMPS_MAX];
     uint32_t slid_next; /* next slot to use */
@@ -146,6 +151,8 @@ struct panel {
     int64_t pressed_ns, menu_ns;
     int64_t slid_from_ns;             /* shift of a comp lane at the press */
     int64_t span_from_ns, span_to_ns; /* span of a swipe or range */
+    timeline_target range_snapped;    /* what the dragged end of the range has snapped to */
+    bool is_free;                     /* Shift is held: this drag does not snap */
     const char *hint;
     /* the journal, shown while no take is selected */
     timeline_journal *journal;
@@ -171,7 +178,9 @@ struct panel {
     double jaw_lips[2];          /* how much jaw, lips, in % */
     char text[512];
     timeline_slip slip, slip_before;
-    double number[5];
+    double number[5], previewed[5]; /* values of the dialog of a clip; those that were previewed */
+    bool has_clip_preview;          /* the stage shows the values of that dialog */
+    error clip_why;                 /* why they are not possible; "": they are */
     uint32_t asked_regions;
     bool is_everything, is_asked_first;
     /* memory for drawing */
@@ -186,6 +195,7 @@ struct panel {
 const take *timeline_take(const panel *self);
 timeline_code timeline_code_now(const panel *self);
 int64_t timeline_head_ns(const panel *self);
+timeline_target timeline_snapped(const panel *self); /* by the current drag */
 bool timeline_range(const panel *self, int64_t *out_in_ns, int64_t *out_out_ns);
 /* Returns the swiped or dragged span with start before end. */
 void timeline_span_now(const panel *self, int64_t *out_from_ns, int64_t *out_to_ns);
@@ -215,6 +225,7 @@ void timeline_paint_over(panel *self, ui *on); /* draws the current overdub */
 void timeline_paint_head(panel *self, ui *on); /* draws the playhead over everything else */
 void timeline_paint_corner(panel *self, ui *on, const ui_canvas *canvas);
 void timeline_paint_rows(panel *self, ui *on);
+void timeline_paint_snap(panel *self, ui *on); /* draws what the drag has snapped to */
 
 /* mouse.c */
 int64_t timeline_sound_ns(const panel *self); /* duration of the sound; 0: none, or not known yet */
