@@ -253,7 +253,7 @@ static void the_keyboard_is_a_hand_until_escape(void **state)
     scene_key(&s, 'X', 0);
     assert_false(app_status(s.app)->is_recording);
     scene_do(&s, ACTION_PANEL_LOG);
-    assert_int_equal(app_looks_of(s.app)->panel, APP_LOG);
+    assert_int_equal(app_looks_of(s.app)->layouts.now.current, APP_LOG);
     scene_look(&s, "workspace_hand_keys");
     scene_key(&s, UI_KEY_ESCAPE, 0);
     assert_false(app_has_hand_keys(s.app));

@@ -114,7 +114,9 @@ static void draw_menu(docks *self, ui *on, app_panel of)
 {
     static const action list[] = {ACTION_PANEL_LEFT, ACTION_PANEL_RIGHT, ACTION_PANEL_FLOAT,
                                   ACTION_PANEL_HIDE};
-    if (!ui_menu_begin(on, "place"))
+    char id[24];
+    (void)snprintf(id, sizeof id, "place_%u", (unsigned)of);
+    if (!ui_menu_begin(on, id))
         return;
     if (now(self)->current != of)
         arrangement_show(now(self), of); /* the actions are about the panel that was shown last */
@@ -410,13 +412,14 @@ static void draw_layout_menu(void *data, uint32_t index)
     ui *on = tabs->on;
     static const action list[] = {ACTION_LAYOUT_RESET, ACTION_LAYOUT_KEEP};
     const action of = (action)(ACTION_LAYOUT_PERFORM + (int)index);
-    char keys[KEY_WORDS + 4], hint[256];
+    char keys[KEY_WORDS + 4], hint[256], id[24];
     app_panel hidden[APP_PANELS];
     key_map_after(&app_looks_of(self->app)->keys, of, keys);
     (void)snprintf(hint, sizeof hint, "%s%s\n%s Right-click for more.", action_of(of)->title, keys,
                    action_of(of)->help);
     ui_hint(on, hint);
-    if (!ui_menu_begin(on, "layout"))
+    (void)snprintf(id, sizeof id, "layout_%u", index);
+    if (!ui_menu_begin(on, id))
         return;
     if (app_looks_of(self->app)->layouts.of != (app_layout)index)
         app_do(self->app, of);

@@ -47,7 +47,7 @@ void arrangement_init(arrangement *self, app_layout of)
         [LAYOUT_PERFORM] = APP_DEVICES, [LAYOUT_EDIT] = APP_MAPPING, [LAYOUT_RIG] = APP_RIG};
     *self = (arrangement){.current = first[of],
                           .front = {[PLACE_LEFT] = APP_MAPPING, [PLACE_RIGHT] = first[of]},
-                          .timeline_height = of == LAYOUT_EDIT ? 360.0f : 220.0f,
+                          .timeline_height = of == LAYOUT_EDIT ? 300.0f : 220.0f,
                           .has_timeline = of != LAYOUT_RIG};
     self->width[PLACE_LEFT] = self->width[PLACE_RIGHT] = THEME_DOCK_WIDTH;
     for (uint32_t i = 0; i < APP_PANELS; ++i)
