@@ -272,7 +272,7 @@ static void looks_and_inputs_are_kept_between_runs(void **state)
     assert_true(until(&r, has_input));
     assert_string_equal(live_input_text(app_live(r.app), 0), demo);
     assert_true(app_looks_of(r.app)->shows_contacts);
-    assert_int_equal(app_looks_of(r.app)->panel, APP_ENGINE);
+    assert_int_equal(app_looks_of(r.app)->layouts.now.current, APP_ENGINE);
     assert_int_not_equal(app_looks_of(r.app)->is_mirrored, was_mirrored);
     assert_string_equal(show_path(app_show(r.app)), r.show);
     assert_string_equal(app_face_path(r.app), puppet);

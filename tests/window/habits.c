@@ -62,7 +62,7 @@ static void text_is_as_large_as_one_wants_it_and_stays_so(void **state)
     scene_check_words(&s);
     /* A click meets what is seen. */
     scene_click_word(&s, "Engine");
-    assert_int_equal(app_looks_of(s.app)->panel, APP_ENGINE);
+    assert_int_equal(app_looks_of(s.app)->layouts.now.current, APP_ENGINE);
     scene_frames(&s, 60);
     assert_float_equal(settings_number(app_settings(s.app), "window.width", 0.0), 1600.0, 0.0);
     scene_open_again(&s, &kept);

@@ -135,7 +135,7 @@ static void open_panel(scene *s)
     scene_open_with(s, &options);
     scene_let_cut(s, "demo_hand");
     scene_click_word(s, "Scene");
-    assert_int_equal(app_looks_of(s->app)->panel, APP_SCENE);
+    assert_int_equal(app_looks_of(s->app)->layouts.now.current, APP_SCENE);
 }
 
 /* ---- what is done ---- */

@@ -140,12 +140,13 @@ static void a_script_does_what_a_person_would(void **state)
                    "random 7 0.2\n",
                    folder_path);
     app_looks *looks = app_looks_of(s.app);
-    const bool had_timeline = looks->has_timeline, was_mirrored = looks->is_output_mirrored;
+    const bool had_timeline = looks->layouts.now.has_timeline,
+               was_mirrored = looks->is_output_mirrored;
     char *random = strstr(text, "random");
     *random = '\0';
     run_script(&s, text);
-    assert_int_equal(looks->panel, APP_ENGINE);
-    assert_int_not_equal(looks->has_timeline, had_timeline);
+    assert_int_equal(looks->layouts.now.current, APP_ENGINE);
+    assert_int_not_equal(looks->layouts.now.has_timeline, had_timeline);
     assert_int_not_equal(looks->is_output_mirrored, was_mirrored);
     assert_true(looks->shows_contacts);
     (void)snprintf(text, sizeof text, "%s/picture.png", folder_path);

@@ -112,7 +112,7 @@ static void looks_and_sizes_leave_nothing_behind(void **state)
     looks->text_size = 1.25f;
     scene_frames(&s, 3);
     check(&s, "large");
-    looks->dock_width = 380.0f;
+    looks->layouts.now.width[PLACE_RIGHT] = 380.0f;
     scene_frames(&s, 3);
     check(&s, "wide dock");
     looks->is_mirrored = true;

@@ -188,7 +188,7 @@ static void drag_face(uint32_t modifiers)
 
 static void show_panel(action of, app_panel panel)
 {
-    if (app_looks_of(s.app)->panel != panel)
+    if (app_looks_of(s.app)->layouts.now.current != panel)
         scene_do(&s, of);
 }
 

@@ -253,7 +253,7 @@ static void the_keyboard_is_a_hand_until_escape(void **state)
     scene_key(&s, 'X', 0);
     assert_false(app_status(s.app)->is_recording);
     scene_do(&s, ACTION_PANEL_LOG);
-    assert_int_equal(app_looks_of(s.app)->panel, APP_LOG);
+    assert_int_equal(app_looks_of(s.app)->layouts.now.current, APP_LOG);
     scene_look(&s, "workspace_hand_keys");
     scene_key(&s, UI_KEY_ESCAPE, 0);
     assert_false(app_has_hand_keys(s.app));
@@ -327,15 +327,15 @@ static void the_edges_of_timeline_and_dock_are_dragged(void **state)
     scene s;
     (void)state;
     scene_open(&s, 1280, 720, 1.0f);
-    const float before = app_looks_of(s.app)->timeline_height;
+    const float before = app_looks_of(s.app)->layouts.now.timeline_height;
     const float y = 720.0f - before;
     scene_drag(&s, 500, y, 500, y - 60, 6);
-    assert_float_equal(app_looks_of(s.app)->timeline_height, before + 60.0f, 1.5f);
+    assert_float_equal(app_looks_of(s.app)->layouts.now.timeline_height, before + 60.0f, 1.5f);
     scene_drag(&s, 500, y - 60, 500, 715, 6);
     scene_frames(&s, 2);
     scene_look(&s, "workspace_low_timeline");
     scene_drag(&s, 950, 300, 800, 300, 6);
-    assert_float_equal(app_looks_of(s.app)->dock_width, 480.0f, 1.5f);
+    assert_float_equal(app_looks_of(s.app)->layouts.now.width[PLACE_RIGHT], 480.0f, 1.5f);
     scene_look(&s, "workspace_wide_dock");
     scene_check_words(&s);
     scene_close(&s);

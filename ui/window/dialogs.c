@@ -705,7 +705,8 @@ void dialogs_ask_save_as(dialogs *self)
     }
     self->saving.desktop.is_shown = false;
     choose_saved(self, app_rig_path(self->app) &&
-                           (app_looks_of(self->app)->panel == APP_RIG || !app_show(self->app)));
+                           (app_looks_of(self->app)->layouts.now.current == APP_RIG ||
+                            !app_show(self->app)));
     ui_dialog_open(self->ui, save_dialog);
 }
 

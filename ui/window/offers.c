@@ -249,7 +249,7 @@ void offers_draw(app *of, ui *on, ui_rectangle over, bool *is_gone)
     uint32_t count = 0, per_line;
     char title[32];
     float width = 0.0f;
-    if (app_looks_of(of)->panel == APP_RIG || !can_be_asked(of))
+    if (app_looks_of(of)->layouts.now.current == APP_RIG || !can_be_asked(of))
         return; /* in Rig the face is worked on, and a draft is offered there */
     if (is_without_rig(of)) {
         draw_rig_offer(of, on, over);

@@ -2,11 +2,11 @@
 #include "window/app/pose_palette.h"
 #include "window/camera_card.h"
 #include "window/dialogs.h"
+#include "window/docks.h"
 #include "window/gui/theme.h"
 #include "window/help.h"
 #include "window/offers.h"
 #include "window/panels/hand.h"
-#include "window/panels/panels.h"
 #include "window/streams.h"
 #include "window/timeline/record_menu.h"
 #include "window/viewport/viewport.h"
@@ -40,7 +40,7 @@ struct workspace {
     streams *streams;
     camera_card *camera;
     uint64_t output_edition; /* of app_picture, as the output was opened */
-    panel *dock[APP_PANELS], *timeline;
+    docks *docks;
     ui_screen screen;
 
     dialogs dialogs;
@@ -527,7 +527,7 @@ static state_words state_of(app *of)
         (void)snprintf(out.small, sizeof out.small, "Recording take %.150s",
                        line_of(of, status->take)->title);
         out.ink = THEME_RECORD;
-    } else if (view->mode == LIVE_SHOWS && app_looks_of(of)->has_timeline) {
+    } else if (view->mode == LIVE_SHOWS && app_looks_of(of)->layouts.now.has_timeline) {
         (void)snprintf(out.large, sizeof out.large, "Take %.50s", shown); /* time is below */
         key_map_words(&app_looks_of(of)->keys, ACTION_LIVE, keys);
         (void)snprintf(out.small, sizeof out.small, "%s%s. Back to the live hands",
@@ -587,7 +587,7 @@ static float put_middle(pen *p, float x)
     put_sign(p, (ui_rectangle){x, y, ICON, ICON}, ACTION_RECORD,
              is_recording ? sign_recording : sign_record, is_recording);
     x = put_state(p, x + ICON + GAP);
-    if (app_looks_of(of)->has_timeline || p->where.width < 1100.0f)
+    if (app_looks_of(of)->layouts.now.has_timeline || p->where.width < 1100.0f)
         return x;
     const struct {
         action of;
@@ -723,23 +723,7 @@ static void bar_draw_alone(workspace *self, ui_rectangle over)
 
 /* ---- the workspace ---- */
 
-#define EDGE            5.0f /* of a part that is dragged */
-#define TIMELINE_LEAST  120.0f
-#define DOCK_LEAST      300.0f
-#define DOCK_MOST       560.0f
-#define FACE_LEAST      160.0f
-#define DOCK_HIGH       300.0f /* at least, above a timeline */
-#define STRIP_LEAST     900.0f /* what the timeline's transport needs */
 #define FIGURES_EVERY_S 0.5
-
-static const panel_type *const dock_types[APP_PANELS] = {
-    [APP_DEVICES] = &panel_devices, [APP_MAPPING] = &panel_mapping, [APP_RIG] = &panel_rig,
-    [APP_ENGINE] = &panel_engine,   [APP_LOG] = &panel_log,         [APP_PATCH] = &panel_patch,
-    [APP_OUTPUT] = &panel_output,   [APP_SCENE] = &panel_scene,     [APP_HAND] = &panel_hand,
-    [APP_POSES] = &panel_poses,
-};
-static const char *const dock_names[APP_PANELS] = {
-    "Devices", "Mapping", "Rig", "Engine", "Log", "Patch", "Send", "Scene", "Hand", "Poses"};
 
 /* ---- life ---- */
 
@@ -756,14 +740,10 @@ static mrt_result create_parts(workspace *self, error *err)
     self->streams = streams_create(self->app, self->viewport);
     if (!self->streams)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
-    self->timeline = panel_timeline.create(self->app);
+    self->docks = docks_create(self->app);
     self->camera = camera_card_create(self->app);
-    bool is_whole = self->timeline && self->camera;
-    for (uint32_t i = 0; i < APP_PANELS; ++i) {
-        self->dock[i] = dock_types[i]->create(self->app);
-        is_whole &= self->dock[i] != NULL;
-    }
-    return is_whole ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for the panels");
+    return self->docks && self->camera ? MRT_OK
+                                       : error_set(err, MRT_ERR_MEMORY, "no memory for the panels");
 }
 
 mrt_result workspace_create(workspace **out, app *of, window *on, error *err)
@@ -787,11 +767,7 @@ void workspace_destroy(workspace *self)
 {
     if (!self)
         return;
-    for (uint32_t i = 0; i < APP_PANELS; ++i)
-        if (self->dock[i])
-            dock_types[i]->destroy(self->dock[i]);
-    if (self->timeline)
-        panel_timeline.destroy(self->timeline);
+    docks_destroy(self->docks);
     camera_card_destroy(self->camera);
     app_set_viewport(self->app, NULL);
     viewport_destroy(self->viewport);
@@ -815,111 +791,29 @@ float workspace_scale(const workspace *self)
 /* ---- where things are ---- */
 
 typedef struct workspace_layout {
-    ui_rectangle bar, card, face, dock, timeline; /* card: width 0: none */
-    bool has_bar, has_dock, has_timeline;
+    arrangement_rectangles at; /* with the face only: nothing else */
+    ui_rectangle card;         /* of the hand, at the left of the face; width 0: none */
+    bool has_panels;
 } workspace_layout;
-
-static float clamped(float value, float least, float most)
-{
-    if (most < least)
-        most = least;
-    return value < least ? least : value > most ? most : value;
-}
 
 static workspace_layout lay_out(const workspace *self)
 {
     const app_looks *looks = app_looks_of(self->app);
     const float width = self->screen.width, height = self->screen.height;
-    workspace_layout out = {.face = {0.0f, 0.0f, width, height}};
-    if (looks->is_face_only)
-        return out;
-    const float bar = THEME_BAR_HEIGHT, below = height - bar;
-    const float dock =
-        clamped(looks->dock_width, DOCK_LEAST, clamped(0.45f * width, 0.0f, DOCK_MOST));
-    /* The dock is as high as the window; in a narrow one the timeline goes below it. */
-    const bool is_narrow = width - dock < STRIP_LEAST;
-    const float rest = is_narrow ? DOCK_HIGH : FACE_LEAST;
-    const float timeline =
-        looks->has_timeline ? clamped(looks->timeline_height, TIMELINE_LEAST, below - rest) : 0.0f;
-    out.has_bar = out.has_dock = true;
-    out.has_timeline = looks->has_timeline;
-    out.bar = (ui_rectangle){0.0f, 0.0f, width, bar};
-    out.dock = (ui_rectangle){width - dock, bar, dock, is_narrow ? below - timeline : below};
-    out.face = (ui_rectangle){0.0f, bar, width - dock, below - timeline};
-    out.timeline =
-        (ui_rectangle){0.0f, height - timeline, is_narrow ? width : width - dock, timeline};
+    workspace_layout out = {.has_panels = !looks->is_face_only};
+    if (out.has_panels)
+        arrangement_lay_out(&looks->layouts.now, width, height, &out.at);
+    else
+        out.at.face = (ui_rectangle){0.0f, 0.0f, width, height};
+    ui_rectangle *room = &out.at.face;
+    out.card = *room;
+    out.card.width = hand_panel_card_width(docks_panel(self->docks, APP_HAND), self->ui, *room);
+    room->x += out.card.width;
+    room->width -= out.card.width;
     return out;
 }
 
-/* At the left of the face, which has the rest of the stage. */
-static void make_room_for_card(const workspace *self, workspace_layout *at)
-{
-    at->card = at->face;
-    at->card.width = hand_panel_card_width(self->dock[APP_HAND], self->ui, at->face);
-    at->face.x += at->card.width;
-    at->face.width -= at->card.width;
-}
-
-/* The edge between two parts: returns how far it was dragged. */
-static float drag_edge(workspace *self, const char *id, ui_rectangle where, ui_cursor cursor)
-{
-    ui_canvas canvas;
-    const bool is_upright = where.height > where.width;
-    ui_panel_begin(self->ui, id, where, UI_GROUND_NONE);
-    ui_canvas_begin(self->ui, "edge", 0.0f, 0.0f, &canvas);
-    if (canvas.is_hovered || canvas.is_dragging) {
-        ui_set_cursor(self->ui, cursor);
-        ui_draw_box(self->ui, where, canvas.is_dragging ? THEME_ACCENT : THEME_RULE, 0.0f);
-    }
-    ui_canvas_end(self->ui);
-    ui_panel_end(self->ui);
-    if (!canvas.is_dragging && !canvas.is_released)
-        return 0.0f;
-    return is_upright ? canvas.moved_x : canvas.moved_y;
-}
-
-static void draw_edges(workspace *self, const workspace_layout *at)
-{
-    app_looks *looks = app_looks_of(self->app);
-    if (at->has_timeline) {
-        const ui_rectangle line = {0.0f, at->timeline.y - 0.5f * EDGE, at->timeline.width, EDGE};
-        const float moved = drag_edge(self, "edge_timeline", line, UI_CURSOR_DOWN);
-        if (moved != 0.0f)
-            looks->timeline_height = at->timeline.height - moved;
-    }
-    if (at->has_dock) {
-        const ui_rectangle line = {at->dock.x - 0.5f * EDGE, at->dock.y, EDGE, at->dock.height};
-        const float moved = drag_edge(self, "edge_dock", line, UI_CURSOR_ACROSS);
-        if (moved != 0.0f)
-            looks->dock_width = clamped(at->dock.width - moved, DOCK_LEAST, DOCK_MOST);
-    }
-}
-
 /* ---- parts ---- */
-
-static void draw_dock(workspace *self, ui_rectangle where)
-{
-    const float inside = where.width - 2.0f * THEME_PADDING;
-    const float tabs = THEME_PADDING + ui_tabs_height(self->ui, dock_names, APP_PANELS, inside);
-    app_looks *looks = app_looks_of(self->app);
-    uint32_t chosen = (uint32_t)looks->panel;
-    const ui_rectangle head = {where.x, where.y, where.width, tabs};
-    ui_panel_begin(self->ui, "dock", head, UI_GROUND_PANEL);
-    if (ui_tabs(self->ui, "tabs", dock_names, APP_PANELS, &chosen))
-        looks->panel = (app_panel)chosen;
-    ui_draw_box(self->ui, (ui_rectangle){where.x, where.y + tabs - 1.0f, where.width, 1.0f},
-                THEME_RULE, 0.0f);
-    ui_panel_end(self->ui);
-    const ui_rectangle rest = {where.x, where.y + tabs, where.width, where.height - tabs};
-    dock_types[looks->panel]->draw(self->dock[looks->panel], self->ui, rest);
-}
-
-static void draw_box(workspace *self, const char *id, ui_rectangle where, uint32_t colour)
-{
-    ui_panel_begin(self->ui, id, where, UI_GROUND_NONE);
-    ui_draw_box(self->ui, where, colour, 0.0f);
-    ui_panel_end(self->ui);
-}
 
 /* Before a recording the performer looks at the face. */
 static void draw_lead_in(workspace *self, ui_rectangle over)
@@ -938,50 +832,31 @@ static void draw_lead_in(workspace *self, ui_rectangle over)
     ui_panel_end(self->ui);
 }
 
-static void draw_panels(workspace *self, const workspace_layout *at)
+static void draw_panels(workspace *self, const workspace_layout *on)
 {
-    if (at->has_timeline) {
-        draw_box(self, "ground_timeline", at->timeline, THEME_STAGE); /* between its parts */
-        panel_timeline.draw(self->timeline, self->ui, at->timeline);
-        draw_box(self, "rule_timeline",
-                 (ui_rectangle){0.0f, at->timeline.y, at->timeline.width, 1.0f}, THEME_RULE);
-    }
-    if (at->has_dock) {
-        draw_dock(self, at->dock);
-        draw_box(self, "rule_dock", (ui_rectangle){at->dock.x, at->dock.y, 1.0f, at->dock.height},
-                 THEME_RULE);
-    }
-    if (at->has_bar)
-        bar_draw(self, at->bar);
-    else
-        bar_draw_alone(self, at->face);
-    draw_edges(self, at);
-    ui_rectangle above_news = at->face;
+    const ui_rectangle room = on->at.face;
+    if (on->has_panels) {
+        docks_draw(self->docks, self->ui, &on->at);
+        bar_draw(self, on->at.bar);
+    } else
+        bar_draw_alone(self, room);
+    ui_rectangle above_news = room;
     above_news.height -= self->news[0] ? 68.0f : 0.0f;
-    draw_lead_in(self, at->face);
-    if (at->card.width > 0.0f)
-        hand_panel_draw_card(self->dock[APP_HAND], self->ui, at->card);
-    if (at->has_bar)
-        camera_card_draw(self->camera, self->ui, at->face);
-    if (at->has_bar)
+    draw_lead_in(self, room);
+    if (on->card.width > 0.0f)
+        hand_panel_draw_card(docks_panel(self->docks, APP_HAND), self->ui, on->card);
+    if (on->has_panels) {
+        camera_card_draw(self->camera, self->ui, room);
         offers_draw(self->app, self->ui, above_news, &self->is_offered);
-    workspace_draw_news(self, at->face);
+        docks_draw_over(self->docks, self->ui, &on->at);
+    }
+    workspace_draw_news(self, room);
     if (app_looks_of(self->app)->is_helping)
         help_draw(&self->help, self->app, self->ui,
                   (ui_rectangle){0.0f, 0.0f, self->screen.width, self->screen.height},
                   self->screen.scale / window_scale(self->window));
     dialogs_draw(&self->dialogs);
     record_menu_tempo(self->app, self->ui);
-}
-
-static void update_panels(workspace *self, double dt_s)
-{
-    for (uint32_t i = 0; i < APP_PANELS; ++i)
-        if (dock_types[i]->update)
-            dock_types[i]->update(self->dock[i], dt_s);
-    if (panel_timeline.update)
-        panel_timeline.update(self->timeline, dt_s);
-    camera_card_update(self->camera, dt_s);
 }
 
 static void take_requests(workspace *self)
@@ -1159,14 +1034,14 @@ void workspace_counted(const workspace *self, workspace_counts *out)
 
 static void draw(workspace *self)
 {
-    workspace_layout at = lay_out(self);
-    make_room_for_card(self, &at);
+    const workspace_layout on = lay_out(self);
     const int64_t began_ns = cpu_now_ns();
-    update_panels(self, self->screen.dt_s);
+    docks_update(self->docks, self->screen.dt_s);
+    camera_card_update(self->camera, self->screen.dt_s);
     const int64_t updated_ns = cpu_now_ns();
-    viewport_draw(self->viewport, self->ui, at.face, self->screen.scale);
+    viewport_draw(self->viewport, self->ui, on.at.face, self->screen.scale);
     const int64_t face_ns = cpu_now_ns();
-    draw_panels(self, &at);
+    draw_panels(self, &on);
     if (self->frame_count > 1)
         figures_add(&self->panels_ms,
                     ms_between(began_ns, updated_ns) + ms_between(face_ns, cpu_now_ns()));

@@ -69,25 +69,34 @@ typedef enum action {
     ACTION_OUTPUT_MIRROR,      /* Shift+F11 */
     ACTION_FACE_ONLY,          /* Tab: panels away */
     /* program */
-    ACTION_PANEL_DEVICES, /* F2 */
-    ACTION_PANEL_MAPPING, /* F3 */
-    ACTION_PANEL_RIG,     /* F4 */
-    ACTION_PANEL_ENGINE,  /* F5 */
-    ACTION_PANEL_LOG,     /* F6 */
-    ACTION_PANEL_PATCH,   /* Shift+F3 */
-    ACTION_PANEL_OUTPUT,  /* Shift+F2 */
-    ACTION_PANEL_SCENE,   /* Shift+F4 */
-    ACTION_PANEL_HAND,    /* Shift+F5 */
-    ACTION_PANEL_POSES,   /* Shift+F6 */
-    ACTION_TIMELINE,      /* F7: shown or not */
-    ACTION_TIMELINE_FIT,  /* Shift+Z */
-    ACTION_SNAP,          /* Shift+S: drags on the timeline snap, or not */
-    ACTION_RIPPLE,        /* Shift+R: what follows moves with edits of clips, or stays */
-    ACTION_OPEN,          /* Ctrl+O: a show or a face */
-    ACTION_SAVE,          /* Ctrl+S: the rig */
-    ACTION_SAVE_AS,       /* Ctrl+Shift+S: the show or the rig, under another name */
-    ACTION_HELP,          /* ? */
-    ACTION_QUIT,          /* Ctrl+Q */
+    ACTION_PANEL_DEVICES,  /* F2 */
+    ACTION_PANEL_MAPPING,  /* F3 */
+    ACTION_PANEL_RIG,      /* F4 */
+    ACTION_PANEL_ENGINE,   /* F5 */
+    ACTION_PANEL_LOG,      /* F6 */
+    ACTION_PANEL_PATCH,    /* Shift+F3 */
+    ACTION_PANEL_OUTPUT,   /* Shift+F2 */
+    ACTION_PANEL_SCENE,    /* Shift+F4 */
+    ACTION_PANEL_HAND,     /* Shift+F5 */
+    ACTION_PANEL_POSES,    /* Shift+F6 */
+    ACTION_PANEL_LEFT,     /* Ctrl+Left: the panel that was shown last, to the left dock */
+    ACTION_PANEL_RIGHT,    /* Ctrl+Right */
+    ACTION_PANEL_FLOAT,    /* Ctrl+Up: over the face */
+    ACTION_PANEL_HIDE,     /* Ctrl+Down */
+    ACTION_LAYOUT_PERFORM, /* Ctrl+1 */
+    ACTION_LAYOUT_EDIT,    /* Ctrl+2 */
+    ACTION_LAYOUT_RIG,     /* Ctrl+3 */
+    ACTION_LAYOUT_RESET,   /* Ctrl+0 */
+    ACTION_LAYOUT_KEEP,    /* new shows start with the layouts of this one */
+    ACTION_TIMELINE,       /* F7: shown or not */
+    ACTION_TIMELINE_FIT,   /* Shift+Z */
+    ACTION_SNAP,           /* Shift+S: drags on the timeline snap, or not */
+    ACTION_RIPPLE,         /* Shift+R: what follows moves with edits of clips, or stays */
+    ACTION_OPEN,           /* Ctrl+O: a show or a face */
+    ACTION_SAVE,           /* Ctrl+S: the rig */
+    ACTION_SAVE_AS,        /* Ctrl+Shift+S: the show or the rig, under another name */
+    ACTION_HELP,           /* ? */
+    ACTION_QUIT,           /* Ctrl+Q */
     ACTION_COUNT
 } action;
 

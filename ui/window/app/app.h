@@ -8,6 +8,7 @@
 #include "stage/playback/sync.h"
 #include "show/history.h"
 #include "draw/scenery.h"
+#include "window/app/kept_layouts.h"
 #include "window/app/key_map.h"
 #include "window/app/news_list.h"
 #include "window/app/presets.h"
@@ -356,29 +357,15 @@ typedef enum app_heat {
     APP_HEAT_PENETRATION,
     APP_HEATS
 } app_heat;
-typedef enum app_panel {
-    APP_DEVICES = 0,
-    APP_MAPPING,
-    APP_RIG,
-    APP_ENGINE,
-    APP_LOG,
-    APP_PATCH,
-    APP_OUTPUT,
-    APP_SCENE,
-    APP_HAND,
-    APP_POSES,
-    APP_PANELS
-} app_panel;
 typedef struct app_looks { /* how it is shown; kept between runs */
     bool shows_hands, shows_vectors, shows_supports, shows_contacts, shows_jaw, shows_card;
-    bool is_mirrored, is_turning, is_face_only, has_timeline, is_helping;
+    bool is_mirrored, is_turning, is_face_only, is_helping;
     bool is_snapping, is_rippling; /* drags snap; what follows a clip moves with its edits */
     bool has_output, is_output_mirrored;
     bool is_painting;  /* not kept: the brush is on, [ and ] are its size */
     bool is_answering; /* not kept: Space belongs to the panel Hand */
     app_heat heat;
-    app_panel panel;
-    float timeline_height, dock_width;
+    kept_layouts layouts;
     theme theme;
     key_map keys;
     float text_size; /* how much larger than usual everything is: 0.8 .. 2 */

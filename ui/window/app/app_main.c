@@ -805,6 +805,19 @@ static const char *why_no_transport(const app *self, action of)
     return NULL;
 }
 
+static const char *why_not_moved(const app *self, action of)
+{
+    const arrangement *at = &self->looks.layouts.now;
+    const panel_place place = at->panel[at->current].place;
+    if (of == ACTION_PANEL_LEFT && place == PLACE_LEFT)
+        return "the panel is in the left dock";
+    if (of == ACTION_PANEL_RIGHT && place == PLACE_RIGHT)
+        return "the panel is in the right dock";
+    if (of == ACTION_PANEL_FLOAT && place == PLACE_FLOATING)
+        return "the panel floats";
+    return of == ACTION_PANEL_HIDE && place == PLACE_HIDDEN ? "the panel is hidden" : NULL;
+}
+
 /* NULL: it can be done. */
 static const char *why_not(app *self, action of)
 {
@@ -833,6 +846,8 @@ static const char *why_not(app *self, action of)
     default:
         break;
     }
+    if (of >= ACTION_PANEL_LEFT && of <= ACTION_PANEL_HIDE)
+        return why_not_moved(self, of);
     const action_group group = action_of(of)->group;
     if (group == ACTION_TRANSPORT)
         return why_no_transport(self, of);
@@ -897,6 +912,22 @@ static void do_performance(app *self, action of)
     }
 }
 
+static void arrange(app *self, action of)
+{
+    static const panel_place place[] = {PLACE_LEFT, PLACE_RIGHT, PLACE_FLOATING, PLACE_HIDDEN};
+    kept_layouts *layouts = &self->looks.layouts;
+    self->looks.is_face_only = false;
+    if (of <= ACTION_PANEL_HIDE)
+        arrangement_move(&layouts->now, layouts->now.current, place[of - ACTION_PANEL_LEFT],
+                         APP_PANELS);
+    else if (of <= ACTION_LAYOUT_RIG)
+        kept_layouts_switch(layouts, self->settings, (app_layout)(of - ACTION_LAYOUT_PERFORM));
+    else if (of == ACTION_LAYOUT_RESET)
+        kept_layouts_reset(layouts);
+    else
+        kept_layouts_use_for_new(layouts, self->settings);
+}
+
 static void do_look(app *self, action of)
 {
     app_looks *looks = &self->looks;
@@ -908,8 +939,10 @@ static void do_look(app *self, action of)
     } else if (of == ACTION_HEAT_NEXT) {
         looks->heat = (app_heat)((looks->heat + 1) % APP_HEATS);
     } else if (of >= ACTION_PANEL_DEVICES && of < ACTION_PANEL_DEVICES + (int)APP_PANELS) {
-        looks->panel = (app_panel)(of - ACTION_PANEL_DEVICES);
+        arrangement_show(&looks->layouts.now, (app_panel)(of - ACTION_PANEL_DEVICES));
         looks->is_face_only = false;
+    } else if (of >= ACTION_PANEL_LEFT && of <= ACTION_LAYOUT_KEEP) {
+        arrange(self, of);
     } else if (of == ACTION_QUIT) {
         self->wants_to_quit = true;
     } else {

@@ -42,7 +42,7 @@ static const struct look_switch {
     {ACTION_VIEW_MIRROR, offsetof(app_looks, is_mirrored), "looks.mirrored", true},
     {ACTION_VIEW_TURNTABLE, offsetof(app_looks, is_turning), "looks.turning", false},
     {ACTION_FACE_ONLY, offsetof(app_looks, is_face_only), "looks.face_only", false},
-    {ACTION_TIMELINE, offsetof(app_looks, has_timeline), "looks.timeline", true},
+    {ACTION_TIMELINE, offsetof(app_looks, layouts.now.has_timeline), NULL, true},
     {ACTION_SNAP, offsetof(app_looks, is_snapping), "looks.snap", true},
     {ACTION_RIPPLE, offsetof(app_looks, is_rippling), "looks.ripple", false},
     {ACTION_OUTPUT, offsetof(app_looks, has_output), NULL, false},
@@ -58,8 +58,6 @@ static const struct look_number {
     size_t offset;
     double initial, least, most;
 } numbers[] = {
-    {"looks.timeline_height", offsetof(app_looks, timeline_height), 220.0, 60.0, 2000.0},
-    {"looks.dock_width", offsetof(app_looks, dock_width), (double)THEME_DOCK_WIDTH, 60.0, 1200.0},
     {"looks.text_size", offsetof(app_looks, text_size), 1.0, 0.8, 2.0},
 };
 enum { NUMBERS = sizeof numbers / sizeof numbers[0] };
@@ -96,9 +94,7 @@ void app_looks_read(app *self)
             (float)(kept >= numbers[i].least && kept <= numbers[i].most ? kept
                                                                         : numbers[i].initial);
     }
-    const double kept = settings_number(from, "looks.panel", APP_DEVICES);
-    if (kept >= 0.0 && kept < APP_PANELS)
-        looks->panel = (app_panel)kept;
+    kept_layouts_read(&looks->layouts, from, NULL);
     key_map_read(&looks->keys, from);
 }
 
@@ -116,7 +112,7 @@ static void keep_looks(app *self)
             settings_set_number(to, switches[i].key, *switch_at(looks, &switches[i]) ? 1.0 : 0.0);
     for (uint32_t i = 0; i < NUMBERS; ++i)
         settings_set_number(to, numbers[i].key, (double)*number_at(looks, &numbers[i]));
-    settings_set_number(to, "looks.panel", (double)looks->panel);
+    kept_layouts_write(&looks->layouts, to);
     key_map_keep(&looks->keys, to);
 }
 
@@ -246,11 +242,14 @@ static mrt_result make_show(show **out, error *err)
     return result < 0 ? result : open_or_make(out, path, err);
 }
 
+/* What is kept of the show on this computer. */
 static void keep_show_path(app *self)
 {
     char *real = self->show ? realpath(show_path(self->show), NULL) : NULL;
     if (real)
         settings_set_text(self->settings, "last.show", real);
+    kept_layouts_write(&self->looks.layouts, self->settings); /* of the show before */
+    kept_layouts_read(&self->looks.layouts, self->settings, real);
     free(real);
     if (self->show && show_notice(self->show)[0])
         app_say(self, MRT_LOG_WARNING, "%s", show_notice(self->show));

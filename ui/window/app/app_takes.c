@@ -636,7 +636,7 @@ static bool has_newer(const app *self)
 
 void app_undo_update(app *self)
 {
-    const bool is_shown = self->looks.panel == APP_RIG;
+    const bool is_shown = self->looks.layouts.now.current == APP_RIG;
     const undo_change *newest = undo_list_next(self->undo.list);
     if (is_shown && !self->undo.is_rig_shown)
         self->undo.rig_number = newest ? newest->number : 0;
@@ -648,7 +648,7 @@ void app_undo_update(app *self)
 static bool is_behind_rig(const app *self)
 {
     const undo_change *newest = undo_list_next(self->undo.list);
-    return self->looks.panel == APP_RIG && (!newest || take_of(newest)) &&
+    return self->looks.layouts.now.current == APP_RIG && (!newest || take_of(newest)) &&
            (!self->undo.is_rig_shown || !newest || newest->number <= self->undo.rig_number);
 }
 

@@ -18,7 +18,7 @@ extern "C" {
 #include <cstring>
 #include <new>
 
-constexpr int UI_PANELS_MAX = 32;
+constexpr int UI_PANELS_MAX = 96;
 constexpr int UI_POPUPS_MAX = 8;
 constexpr int UI_INPUT_MAX = 4096;
 
@@ -761,6 +761,29 @@ float ui_tabs_height(const ui *self, const char *const *names, uint32_t count, f
 
 bool ui_tabs(ui *self, const char *id, const char *const *names, uint32_t count, uint32_t *index)
 {
+    return ui_tabs_each(self, id, names, count, index, nullptr, nullptr);
+}
+
+ui_drag ui_last_drag(ui *self)
+{
+    const ImGuiIO &io = ImGui::GetIO();
+    const ImRect box(ImGui::GetItemRectMin(), ImGui::GetItemRectMax());
+    const float far_px = ui_px(self, 8.0f); /* less is a click */
+    ui_drag out = {UI_DRAG_NONE, io.MousePos.x / self->scale, io.MousePos.y / self->scale,
+                   ui_rectangle{box.Min.x / self->scale, box.Min.y / self->scale,
+                                box.GetWidth() / self->scale, box.GetHeight() / self->scale}};
+    if (io.MouseDragMaxDistanceSqr[0] < far_px * far_px)
+        return out;
+    if (ImGui::IsItemActive())
+        out.state = UI_DRAG_MOVES;
+    else if (ImGui::IsItemDeactivated())
+        out.state = UI_DRAG_DROPPED;
+    return out;
+}
+
+bool ui_tabs_each(ui *self, const char *id, const char *const *names, uint32_t count,
+                  uint32_t *index, void (*each)(void *data, uint32_t tab), void *data)
+{
     const uint32_t before = *index;
     const float room = ImGui::GetContentRegionAvail().x;
     const uint32_t rows = tab_rows(self, names, count, room), across = (count + rows - 1) / rows;
@@ -777,6 +800,8 @@ bool ui_tabs(ui *self, const char *id, const char *const *names, uint32_t count,
             const float own = tab_words(self, names, i, i + 1);
             if (put_tab(self, names[i], ImFloor(own + padding), i == before))
                 *index = i;
+            if (each)
+                each(data, i);
         }
     }
     ImGui::PopStyleVar();

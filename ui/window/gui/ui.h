@@ -135,6 +135,16 @@ void ui_input_take_keys(ui *self);        /* the next ui_input gets the keyboard
 /* Height of the tabs at a width. They use as many rows as needed. */
 float ui_tabs_height(const ui *self, const char *const *names, uint32_t count, float width);
 bool ui_tabs(ui *self, const char *id, const char *const *names, uint32_t count, uint32_t *index);
+/* Calls `each` behind each tab, while that is the last widget: for its hint, menu and drag. */
+bool ui_tabs_each(ui *self, const char *id, const char *const *names, uint32_t count,
+                  uint32_t *index, void (*each)(void *data, uint32_t tab), void *data);
+typedef enum ui_drag_state { UI_DRAG_NONE = 0, UI_DRAG_MOVES, UI_DRAG_DROPPED } ui_drag_state;
+typedef struct ui_drag {
+    ui_drag_state state;
+    float x, y;         /* of the pointer, on the screen */
+    ui_rectangle where; /* the widget */
+} ui_drag;
+ui_drag ui_last_drag(ui *self); /* of the last widget, by the left button */
 bool ui_section(ui *self, const char *title, bool is_open_at_first); /* true: open, draw what is in
                                                                         it */
 #define UI_CHIP       22.0f /* width of a colour's chip in a menu */

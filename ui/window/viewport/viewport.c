@@ -935,7 +935,8 @@ static void ink_chip(viewport *self, ui *on)
                  THEME_ACCENT, 0.0f, words);
 }
 
-/* Draws a sign that the view is mirrored, which is easy to overlook. A click ends it. */
+/* Draws a sign that the view is mirrored, which is easy to overlook, below the switch of the
+ * layouts. A click ends it. */
 static void ink_mirrored(viewport *self, ui *on)
 {
     static const char words[] = "Mirrored";
@@ -944,7 +945,7 @@ static void ink_mirrored(viewport *self, ui *on)
     if (!is_mirrored(self))
         return;
     self->mirrored = (ui_rectangle){self->where.x + self->where.width - width - 12.0f - margin,
-                                    self->where.y + margin, width + 12.0f, height};
+                                    self->where.y + 40.0f, width + 12.0f, height};
     write_on_plate(on, self->mirrored.x + 6.0f, self->mirrored.y, THEME_DIM, words);
 }
 
