@@ -15,9 +15,9 @@ setup_required_packages=(
     libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri libglx-mesa0
 )
 # marotte builds without these. Installed with the first set-up where apt-get has them.
-setup_optional_packages=(fonts-inter libpocketsphinx-dev pocketsphinx-en-us libasound2-dev libopenxr-dev libpipewire-0.3-dev libsystemd-dev)
+setup_optional_packages=(fonts-inter libfontconfig1-dev libpocketsphinx-dev pocketsphinx-en-us libasound2-dev libopenxr-dev libpipewire-0.3-dev libsystemd-dev)
 setup_test_packages=(libcmocka-dev ruby-mdl sqlite3 libumockdev-dev umockdev liblo-tools clang-format-14 nodejs
-    libespeak-ng-dev espeak-ng-data xvfb xdotool openbox wmctrl x11-utils picom ffmpeg pipewire pipewire-bin dbus-daemon)
+    libespeak-ng-dev espeak-ng-data xvfb xdotool openbox wmctrl x11-utils picom fonts-droid-fallback fonts-lohit-deva ffmpeg pipewire pipewire-bin dbus-daemon)
 # For ./run package: debian/control names them, too.
 setup_package_packages=(debhelper dpkg-dev librsvg2-bin libcmocka-dev fakeroot xz-utils)
 # For ./test --long: the fuzz targets, clang-tidy, the guide of plugins in a debugger.

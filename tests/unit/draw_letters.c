@@ -7,6 +7,7 @@
 
 #include "draw/draw.h"
 #include "draw/annotations.h"
+#include "draw/system_font.h"
 #include "draw_help.h"
 
 #include <math.h>
@@ -113,6 +114,31 @@ static void letters_stay_right_when_the_atlas_overflows(void **state)
     assert_memory_equal(picture, other, BYTES);
 }
 
+static void letters_that_our_font_lacks_come_from_the_system(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *script, *one, *other;
+        uint32_t first;
+    } pairs[] = {{"Hebrew", "\xd7\xa9", "\xd7\x9c", 0x5e9},
+                 {"Arabic", "\xd8\xb3", "\xd9\x85", 0x633},
+                 {"Chinese", "\xe6\xbc\xa2", "\xe5\xad\x97", 0x6f22},
+                 {"Devanagari", "\xe0\xa4\xa8", "\xe0\xa4\xae", 0x928}};
+    system_fonts *fonts = system_fonts_create();
+    assert_non_null(fonts);
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; ++i) {
+        if (!letters_font(font) || !system_fonts_find(fonts, pairs[i].first).path) {
+            printf("SKIPPED: no font for %s\n", pairs[i].script);
+            continue;
+        }
+        write_fresh(font, pairs[i].one, 5, 5, 40, picture); /* not the box for what is missing */
+        write_fresh(font, pairs[i].other, 5, 5, 40, other);
+        assert_memory_not_equal(picture, other, BYTES);
+        assert_true(letters_width(font, pairs[i].one, 40) > 4.0f);
+    }
+    system_fonts_destroy(fonts);
+}
+
 static void without_a_font_nothing_is_drawn(void **state)
 {
     (void)state;
@@ -148,6 +174,7 @@ int main(void)
         cmocka_unit_test(strokes_are_crisp),
         cmocka_unit_test(broken_utf8_is_drawn_as_something),
         cmocka_unit_test(letters_stay_right_when_the_atlas_overflows),
+        cmocka_unit_test(letters_that_our_font_lacks_come_from_the_system),
         cmocka_unit_test(without_a_font_nothing_is_drawn),
     };
     int failed = cmocka_run_group_tests(tests, need_font, NULL);

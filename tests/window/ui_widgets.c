@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 
+#include "draw/system_font.h"
 #include "window/gui/window.h"
 #include "window/gui/theme.h"
 #include "window/gui/ui.h"
@@ -576,6 +577,61 @@ static void a_number_is_not_broken_in_two(void **state)
     close_bench(&b);
 }
 
+static void draw_name(bench *b, const char *name)
+{
+    ui_screen screen;
+    assert_true(window_begin(b->window, b->ui, &screen));
+    ui_begin(b->ui, &screen);
+    ui_panel_begin(b->ui, "names", (ui_rectangle){0, 0, 300, 60}, UI_GROUND_PANEL);
+    ui_text(b->ui, UI_STYLE_BODY, name);
+    ui_panel_end(b->ui);
+    ui_end(b->ui);
+    window_end(b->window, b->ui);
+}
+
+static float drawn_width(bench *b, const char *name)
+{
+    draw_name(b, name); /* asks for the characters */
+    assert_true(ui_wanted_s(b->ui) == 0.0 || strchr(name, '?'));
+    draw_name(b, name);
+    const ui_word *w = word(b, name);
+    assert_non_null(w);
+    return w->where.width;
+}
+
+static void names_of_other_scripts_are_drawn(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *script, *name;
+        uint32_t first, count; /* its first character; how many */
+    } names[] = {{"Greek", "\xcf\x8e\xcf\x81\xce\xb1", 0x3ce, 3},
+                 {"Cyrillic", "\xd2\x90\xd0\xb0\xd0\xbd\xd0\xbe\xd0\xba", 0x490, 5},
+                 {"Hebrew", "\xd7\xa9\xd7\x9c\xd7\x95\xd7\x9d", 0x5e9, 4},
+                 {"Arabic", "\xd8\xb3\xd9\x84\xd8\xa7\xd9\x85", 0x633, 4},
+                 {"Chinese", "\xe6\xbc\xa2\xe5\xad\x97", 0x6f22, 2},
+                 {"Japanese", "\xe4\xba\xba\xe5\xbd\xa2\xe5\x8a\x87", 0x4eba, 3},
+                 {"Korean", "\xec\x9d\xb8\xed\x98\x95", 0xc778, 2},
+                 {"Devanagari", "\xe0\xa4\xa8\xe0\xa4\xae\xe0\xa4\xa8", 0x928, 3}};
+    system_fonts *fonts = system_fonts_create();
+    assert_non_null(fonts);
+    bench b;
+    open_bench(&b, 1.0f);
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        if (!system_fonts_find(fonts, names[i].first).path) {
+            print_message("SKIPPED: no font for %s\n", names[i].script);
+            continue;
+        }
+        char unknown[8] = "????????";
+        unknown[names[i].count] = '\0';
+        assert_true(fabsf(drawn_width(&b, names[i].name) - drawn_width(&b, unknown)) > 0.5f);
+    }
+    draw_name(&b, names[0].name); /* is kept: no more frames are asked for */
+    assert_true(ui_wanted_s(b.ui) > 0.0);
+    close_bench(&b);
+    system_fonts_destroy(fonts);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -595,6 +651,7 @@ int main(void)
         cmocka_unit_test(what_is_drawn_can_be_read_at_each_scale),
         cmocka_unit_test(text_that_does_not_fit_ends_with_an_ellipsis),
         cmocka_unit_test(a_number_is_not_broken_in_two),
+        cmocka_unit_test(names_of_other_scripts_are_drawn),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,6 @@
 #include "draw/annotations.h"
 #include "draw/gl.h"
+#include "draw/system_font.h"
 #include "draw/target.h"
 
 #include <ft2build.h>
@@ -31,7 +32,8 @@ enum {
     GLYPHS_MAX = 2048,  /* a power of two; at most three quarters are used */
     QUADS_MAX = 256,    /* per draw call */
     LETTERS_MAX = 4096, /* per text; the rest is cut */
-    SHIFTS = 4          /* subpixel positions of a glyph */
+    SHIFTS = 4,         /* subpixel positions of a glyph */
+    FACES = 8           /* our font, then those of the system for what it lacks */
 };
 static const float size_min_px = 4.0f, size_max_px = 256.0f;
 
@@ -47,6 +49,7 @@ const char *const letters_fonts[] = {
 
 typedef struct glyph {
     bool used;
+    uint32_t face;
     FT_UInt index;
     FT_F26Dot6 em;           /* size */
     int shift;               /* offset to the right, in 1/SHIFTS pixel */
@@ -60,8 +63,11 @@ typedef struct corner {
 
 struct letters {
     FT_Library library;
-    FT_Face face; /* NULL: no font */
-    const char *path;
+    FT_Face face[FACES]; /* the first is NULL: no font */
+    system_font of[FACES];
+    uint32_t face_count;
+    FT_F26Dot6 em[FACES]; /* the size that is set; 0: none */
+    system_fonts *system;
     GLuint program, atlas, vertex_array, vertex_buffer;
     GLint target_size, ink;
     glyph glyphs[GLYPHS_MAX];
@@ -71,21 +77,36 @@ struct letters {
     uint32_t quad_count;
 };
 
+static bool add_face(letters *self, system_font font)
+{
+    FT_Face face;
+    if (FT_New_Face(self->library, font.path, (FT_Long)font.index, &face) != 0)
+        return false;
+    if (!FT_IS_SCALABLE(face) || face->units_per_EM == 0 || face->ascender <= face->descender) {
+        FT_Done_Face(face);
+        return false;
+    }
+    self->of[self->face_count] = font;
+    self->face[self->face_count++] = face;
+    return true;
+}
+
 static void open_font(letters *self, const char *const *paths)
 {
-    for (; *paths; ++paths) {
-        if (FT_New_Face(self->library, *paths, 0, &self->face) != 0) {
-            self->face = NULL;
-            continue;
-        }
-        if (FT_IS_SCALABLE(self->face) && self->face->units_per_EM > 0 &&
-            self->face->ascender > self->face->descender) {
-            self->path = *paths;
-            return;
-        }
-        FT_Done_Face(self->face);
-        self->face = NULL;
-    }
+    while (*paths && !add_face(self, (system_font){*paths, 0}))
+        ++paths;
+}
+
+/* Returns the face that has the character: ours, or one of the system. Ours where none has it. */
+static uint32_t face_with(letters *self, FT_ULong letter)
+{
+    for (uint32_t i = 0; i < self->face_count; ++i)
+        if (FT_Get_Char_Index(self->face[i], letter) != 0)
+            return i;
+    if (self->face_count == FACES || letter == 0xfffd)
+        return 0;
+    const system_font font = system_fonts_find(self->system, (uint32_t)letter);
+    return font.path && add_face(self, font) ? self->face_count - 1 : 0;
 }
 
 static mrt_result create_letter_program(letters *self, error *err)
@@ -118,8 +139,12 @@ static mrt_result create_letter_program(letters *self, error *err)
 letters *letters_create(const char *const *paths, error *err)
 {
     letters *self = calloc(1, sizeof *self);
-    if (!self || FT_Init_FreeType(&self->library) != 0) {
+    if (self)
+        self->system = system_fonts_create();
+    if (!self || !self->system || FT_Init_FreeType(&self->library) != 0) {
         error_set(err, MRT_ERR_MEMORY, "no memory for letters");
+        if (self)
+            system_fonts_destroy(self->system);
         free(self);
         return NULL;
     }
@@ -138,15 +163,16 @@ void letters_destroy(letters *self)
     glDeleteTextures(1, &self->atlas);
     glDeleteBuffers(1, &self->vertex_buffer);
     glDeleteVertexArrays(1, &self->vertex_array);
-    if (self->face)
-        FT_Done_Face(self->face);
+    for (uint32_t i = 0; i < self->face_count; ++i)
+        FT_Done_Face(self->face[i]);
     FT_Done_FreeType(self->library);
+    system_fonts_destroy(self->system);
     free(self);
 }
 
 const char *letters_font(const letters *self)
 {
-    return self->path;
+    return self->of[0].path;
 }
 
 /* Returns the next code point of UTF-8, or U+FFFD for invalid bytes. Never passes the final 0. */
@@ -169,34 +195,47 @@ static FT_ULong next_letter(const char **at)
     return letter < 0x20 ? ' ' : letter;
 }
 
-/* Sets the size of the font. Returns the distance in pixels from the top of the line to its
- * baseline. */
+/* Sets the size of the line; the fonts take theirs when they are used. Returns the distance in
+ * pixels from the top of the line to its baseline. */
 static float set_size(letters *self, float size_px, FT_F26Dot6 *out_em)
 {
+    const FT_Face own = self->face[0];
     float size = size_px >= size_min_px ? size_px : size_min_px; /* also for NaN */
     size = size <= size_max_px ? size : size_max_px;
-    float line = (float)(self->face->ascender - self->face->descender);
-    *out_em = (FT_F26Dot6)lrintf(64.0f * size * (float)self->face->units_per_EM / line);
-    (void)FT_Set_Char_Size(self->face, *out_em, *out_em, 72, 72);
-    return size * (float)self->face->ascender / line;
+    float line = (float)(own->ascender - own->descender);
+    *out_em = (FT_F26Dot6)lrintf(64.0f * size * (float)own->units_per_EM / line);
+    return size * (float)own->ascender / line;
 }
 
-static float advance_px(const letters *self)
+/* Loads the glyph of the character in the font that has it. Returns its advance in pixels, or less
+ * than 0 if it cannot be drawn. */
+static float load_letter(letters *self, FT_ULong letter, FT_F26Dot6 em, uint32_t *out_face,
+                         FT_UInt *out_index)
 {
-    return (float)self->face->glyph->linearHoriAdvance / 65536.0f;
+    const uint32_t at = face_with(self, letter);
+    const FT_Face face = self->face[at];
+    if (self->em[at] != em)
+        (void)FT_Set_Char_Size(face, em, em, 72, 72);
+    self->em[at] = em;
+    *out_face = at;
+    *out_index = FT_Get_Char_Index(face, letter);
+    if (FT_Load_Glyph(face, *out_index, FT_LOAD_NO_BITMAP | FT_LOAD_TARGET_LIGHT) != 0)
+        return -1.0f;
+    return (float)face->glyph->linearHoriAdvance / 65536.0f;
 }
 
 float letters_width(letters *self, const char *words, float size_px)
 {
-    if (!self->face)
+    if (!letters_font(self))
         return 0.0f;
     FT_F26Dot6 em;
+    uint32_t face;
+    FT_UInt index;
     set_size(self, size_px, &em);
     float width = 0.0f;
     for (int i = 0; *words && i < LETTERS_MAX; ++i) {
-        FT_UInt index = FT_Get_Char_Index(self->face, next_letter(&words));
-        if (FT_Load_Glyph(self->face, index, FT_LOAD_NO_BITMAP | FT_LOAD_TARGET_LIGHT) == 0)
-            width += advance_px(self);
+        const float advance = load_letter(self, next_letter(&words), em, &face, &index);
+        width += advance > 0.0f ? advance : 0.0f;
     }
     return width;
 }
@@ -243,7 +282,7 @@ static bool allocate_in_atlas(letters *self, int width, int height, glyph *out)
 /* Adds the bitmap of the loaded glyph to the atlas. */
 static void add_bitmap(letters *self, glyph *out)
 {
-    FT_GlyphSlot slot = self->face->glyph;
+    FT_GlyphSlot slot = self->face[out->face]->glyph;
     FT_Outline_Translate(&slot->outline, out->shift * (64 / SHIFTS), 0);
     if (FT_Render_Glyph(slot, FT_RENDER_MODE_NORMAL) != 0 ||
         slot->bitmap.pixel_mode != FT_PIXEL_MODE_GRAY || slot->bitmap.pitch < 0)
@@ -267,14 +306,16 @@ static bool atlas_is_full(const letters *self)
            self->shelf_y + self->shelf_height + (int)size_max_px * 2 > ATLAS;
 }
 
-static const glyph *find_glyph(letters *self, FT_UInt index, FT_F26Dot6 em, int shift)
+static const glyph *find_glyph(letters *self, uint32_t face, FT_UInt index, FT_F26Dot6 em,
+                               int shift)
 {
-    uint32_t slot = (uint32_t)index * 2654435761u ^ (uint32_t)em * 40503u ^ (uint32_t)shift * 977u;
+    uint32_t slot = (uint32_t)index * 2654435761u ^ (uint32_t)em * 40503u ^ (uint32_t)shift * 977u ^
+                    face * 7919u;
     for (;; ++slot) {
         const glyph *g = &self->glyphs[slot % GLYPHS_MAX];
         if (!g->used)
             break;
-        if (g->index == index && g->em == em && g->shift == shift)
+        if (g->face == face && g->index == index && g->em == em && g->shift == shift)
             return g;
     }
     if (atlas_is_full(self)) {
@@ -282,7 +323,7 @@ static const glyph *find_glyph(letters *self, FT_UInt index, FT_F26Dot6 em, int 
         slot = 0;
     }
     glyph *made = &self->glyphs[slot % GLYPHS_MAX];
-    *made = (glyph){.used = true, .index = index, .em = em, .shift = shift};
+    *made = (glyph){.used = true, .face = face, .index = index, .em = em, .shift = shift};
     ++self->glyph_count;
     add_bitmap(self, made);
     return made;
@@ -307,13 +348,14 @@ static void write_line(letters *self, const char *words, float x, float y, float
     FT_F26Dot6 em;
     float baseline = roundf(y + set_size(self, size_px, &em));
     for (int i = 0; *words && i < LETTERS_MAX; ++i) {
-        FT_UInt index = FT_Get_Char_Index(self->face, next_letter(&words));
-        if (FT_Load_Glyph(self->face, index, FT_LOAD_NO_BITMAP | FT_LOAD_TARGET_LIGHT) != 0)
+        uint32_t face;
+        FT_UInt index;
+        const float advance = load_letter(self, next_letter(&words), em, &face, &index);
+        if (advance < 0.0f)
             continue;
-        float advance = advance_px(self); /* read before find_glyph draws into the slot */
         float pen = floorf(x);
         int shift = (int)((x - pen) * SHIFTS);
-        const glyph *g = find_glyph(self, index, em, shift < SHIFTS ? shift : SHIFTS - 1);
+        const glyph *g = find_glyph(self, face, index, em, shift < SHIFTS ? shift : SHIFTS - 1);
         if (g->width > 0)
             add_quad(self, g, pen, baseline);
         x += advance;
@@ -323,7 +365,7 @@ static void write_line(letters *self, const char *words, float x, float y, float
 void letters_draw(letters *self, draw_target *target, const char *words, float x, float y,
                   float size_px, const float rgba[4])
 {
-    if (!self->face || !(fabsf(x) < 1e6f) || !(fabsf(y) < 1e6f))
+    if (!letters_font(self) || !(fabsf(x) < 1e6f) || !(fabsf(y) < 1e6f))
         return;
     gl_state before;
     begin_over(&before, target, self->program, self->target_size);

@@ -1,5 +1,6 @@
-/* draw/annotations.h - text, lines and dots over a picture. The adapter of FreeType. One font, left
- * to right, no kerning. Without a font it draws no text, and letters_font returns NULL. [thread of
+/* draw/annotations.h - text, lines and dots over a picture. The adapter of FreeType. One font,
+ * and fonts of the system for characters that it lacks; left to right, no kerning, no joined
+ * letters. Without a font it draws no text, and letters_font returns NULL. [thread of
  * the context] */
 #ifndef MAROTTE_UI_DRAW_ANNOTATIONS_H
 #define MAROTTE_UI_DRAW_ANNOTATIONS_H

@@ -2,6 +2,7 @@
 extern "C" {
 #include "window/gui/ui.h"
 #include "draw/gl.h"
+#include "draw/system_font.h"
 #include "window/gui/theme.h"
 #include "window/gui/ui_notes.h"
 #include "window/gui/ui_queue.h"
@@ -31,6 +32,14 @@ enum ui_font {
     UI_FONTS
 };
 
+constexpr uint32_t UI_CHARACTERS_MAX = 2048; /* bounds the texture of the fonts */
+
+struct ui_characters {
+    uint32_t bits[0x10000 / 32];
+    uint32_t count;
+    bool is_new; /* since the fonts were loaded */
+};
+
 struct ui_grip { /* of the canvas that is dragged */
     ImGuiID id;
     int button;
@@ -45,6 +54,8 @@ struct ui {
     ui_screen screen;
     float scale; /* pixels a point, of the fonts that are loaded */
     ImFont *font[UI_FONTS];
+    system_fonts *system;
+    ui_characters *wanted;      /* those that were to be drawn and are not in the usual ranges */
     theme look, wanted_look;    /* of this frame; of the next */
     int plain_depth;            /* on the face: colours are not converted to the theme */
     bool is_drawing, has_drawn; /* OpenGL was started; OpenGL objects exist */
@@ -176,6 +187,44 @@ static ImVec2 ui_measure(const ImFont *font, const char *begin, const char *end)
     return font->CalcTextSizeA(font->FontSize, FLT_MAX, 0.0f, begin, end);
 }
 
+/* Latin with accents, Greek, Cyrillic, dashes, arrows, shapes, stars. */
+static const ImWchar text_ranges[] = {
+    0x20,   0x17f,  0x2c6,  0x2dd,  0x391,  0x3c9,  0x401,  0x45f,  0x2010, 0x203a, 0x20ac, 0x20ac,
+    0x2122, 0x2122, 0x2190, 0x2193, 0x2212, 0x2212, 0x221e, 0x221e, 0x2248, 0x2265, 0};
+static const ImWchar sign_ranges[] = {0x2190, 0x21ff, 0x2300, 0x2328, 0x23ce,
+                                      0x23fa, 0x25a0, 0x25ff, 0x2605, 0x2606,
+                                      0x2660, 0x266f, 0x2713, 0x2718, 0};
+
+static bool is_in_ranges(const ImWchar *ranges, unsigned int c)
+{
+    for (; ranges[0]; ranges += 2)
+        if (c >= ranges[0] && c <= ranges[1])
+            return true;
+    return false;
+}
+
+/* Characters of other scripts are loaded for the next frame. */
+static void ui_want_characters(ui *self, const char *begin, const char *end)
+{
+    ui_characters *wanted = self->wanted;
+    while (begin < end) {
+        if (static_cast<unsigned char>(*begin) < 0x80) {
+            ++begin;
+            continue;
+        }
+        unsigned int c = 0;
+        begin += ImTextCharFromUtf8(&c, begin, end);
+        if (c < 0x80 || c == IM_UNICODE_CODEPOINT_INVALID || c > IM_UNICODE_CODEPOINT_MAX ||
+            (wanted->bits[c / 32] >> c % 32 & 1u) || wanted->count == UI_CHARACTERS_MAX ||
+            is_in_ranges(text_ranges, c) || is_in_ranges(sign_ranges, c))
+            continue;
+        wanted->bits[c / 32] |= 1u << c % 32;
+        wanted->count += 1;
+        wanted->is_new = true;
+        ui_want_frame(self, 0.0);
+    }
+}
+
 /* ---- notes ---- */
 
 /* The box of what is really inked. */
@@ -228,6 +277,7 @@ static void ui_put_text(ui *self, ImFont *font, ImVec2 at, uint32_t colour, floa
     const ImVec4 clip = list->_ClipRectStack.back();
     const ImRect clip_box(clip);
     at = ImFloor(at + ImVec2(0.5f, 0.5f));
+    ui_want_characters(self, begin, end ? end : begin + std::strlen(begin));
     if (max_px <= 0.0f || ui_measure(font, begin, end).x <= max_px) {
         list->AddText(font, font->FontSize, at, ui_ink(self, colour), begin, end);
         ui_note_text(self, font, at, colour, clip_box, false, begin, end);
@@ -354,8 +404,8 @@ float ui_text_height(const ui *self, ui_style style)
     return ui_style_font(self, style)->FontSize / self->scale;
 }
 
-/* ---- fonts: Inter, with DejaVu for what it has no signs for; without both, what Dear ImGui brings
- * ---- */
+/* ---- fonts: Inter, with DejaVu for what it has no signs for, and fonts of the system for other
+ * scripts; without all, what Dear ImGui brings ---- */
 
 /* Line height of Inter relative to its em. */
 constexpr float LINE_PER_EM = 1.21f;
@@ -373,13 +423,6 @@ static const char *const strong_paths[] = {
 static const char *const sign_paths[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
                                          nullptr};
 
-/* Latin with accents, Greek, Cyrillic, dashes, arrows, shapes, stars. */
-static const ImWchar text_ranges[] = {
-    0x20,   0x17f,  0x2c6,  0x2dd,  0x391,  0x3c9,  0x401,  0x45f,  0x2010, 0x203a, 0x20ac, 0x20ac,
-    0x2122, 0x2122, 0x2190, 0x2193, 0x2212, 0x2212, 0x221e, 0x221e, 0x2248, 0x2265, 0};
-static const ImWchar sign_ranges[] = {0x2190, 0x21ff, 0x2300, 0x2328, 0x23ce,
-                                      0x23fa, 0x25a0, 0x25ff, 0x2605, 0x2606,
-                                      0x2660, 0x266f, 0x2713, 0x2718, 0};
 static const ImWchar large_ranges[] = {0x20,   0xff,   0x2012, 0x2014, 0x2026,
                                        0x2026, 0x2212, 0x2212, 0};
 static const ImWchar large_sign_ranges[] = {0x25a0, 0x25a0, 0x25b6, 0x25b6, 0x25cb, 0x25cf, 0};
@@ -407,18 +450,91 @@ static ImFontConfig config_of(bool is_merged)
     return config;
 }
 
+/* The fonts of the system that have the wanted characters, while the atlas is built. */
+struct ui_fallback {
+    static constexpr int FONTS_MAX = 8;
+    ImVector<ImWchar> text, wanted; /* ranges: the usual ones and the wanted; the wanted */
+    void *data[FONTS_MAX];
+    int size[FONTS_MAX];
+    system_font font[FONTS_MAX];
+    int count;
+};
+
+static void *read_font(const char *path, int *out_size)
+{
+    FILE *file = std::fopen(path, "rb");
+    void *data = nullptr;
+    long size = 0;
+    if (file && std::fseek(file, 0, SEEK_END) == 0 && (size = std::ftell(file)) > 0 &&
+        size < (1l << 30) && std::fseek(file, 0, SEEK_SET) == 0)
+        data = std::malloc(static_cast<size_t>(size));
+    if (data && std::fread(data, static_cast<size_t>(size), 1, file) != 1) {
+        std::free(data);
+        data = nullptr;
+    }
+    if (file)
+        std::fclose(file);
+    *out_size = static_cast<int>(size);
+    return data;
+}
+
+static void add_fallback_font(ui_fallback *out, system_font font)
+{
+    for (int i = 0; i < out->count; ++i)
+        if (std::strcmp(out->font[i].path, font.path) == 0 && out->font[i].index == font.index)
+            return;
+    if (out->count == ui_fallback::FONTS_MAX)
+        return;
+    out->data[out->count] = read_font(font.path, &out->size[out->count]);
+    out->font[out->count] = font;
+    if (out->data[out->count])
+        out->count += 1;
+}
+
+static void find_fallback(const ui *self, ui_fallback *out)
+{
+    const char *sign_path = readable(sign_paths);
+    out->count = 0;
+    for (const ImWchar *range = text_ranges; *range; ++range)
+        out->text.push_back(*range);
+    for (unsigned int c = 1; self->wanted->count > 0 && c <= IM_UNICODE_CODEPOINT_MAX; ++c) {
+        if (!(self->wanted->bits[c / 32] >> c % 32 & 1u))
+            continue;
+        for (int twice = 0; twice < 2; ++twice) { /* a range of one */
+            out->text.push_back(static_cast<ImWchar>(c));
+            out->wanted.push_back(static_cast<ImWchar>(c));
+        }
+        const system_font font = system_fonts_find(self->system, c);
+        if (font.path && !(sign_path && std::strcmp(font.path, sign_path) == 0))
+            add_fallback_font(out, font);
+    }
+    out->text.push_back(0);
+    out->wanted.push_back(0);
+}
+
 static ImFont *load(float size_px, const char *const *paths, const ImWchar *ranges,
-                    const ImWchar *signs)
+                    const ImWchar *signs, const ui_fallback *fallback)
 {
     ImFontAtlas *atlas = ImGui::GetIO().Fonts;
     const float line_px = ImFloorSigned(size_px * LINE_PER_EM + 0.5f);
     const char *path = readable(paths), *sign_path = readable(sign_paths);
-    const ImFontConfig config = config_of(false), merged = config_of(true);
+    ImFontConfig config = config_of(false), merged = config_of(true);
     ImFont *font = path ? atlas->AddFontFromFileTTF(path, line_px, &config, ranges) : nullptr;
     if (!font)
-        return atlas->AddFontDefault();
-    if (sign_path)
+        font = atlas->AddFontDefault();
+    else if (sign_path)
         atlas->AddFontFromFileTTF(sign_path, line_px, &merged, signs);
+    if (!fallback || fallback->wanted.Size == 1)
+        return font;
+    if (sign_path)
+        atlas->AddFontFromFileTTF(sign_path, line_px, &merged, fallback->wanted.Data);
+    merged.FontDataOwnedByAtlas = false;
+    merged.OversampleH = 1;
+    for (int i = 0; i < fallback->count; ++i) {
+        merged.FontNo = static_cast<int>(fallback->font[i].index);
+        atlas->AddFontFromMemoryTTF(fallback->data[i], fallback->size[i], line_px, &merged,
+                                    fallback->wanted.Data);
+    }
     return font;
 }
 
@@ -439,19 +555,33 @@ static void make_digits_even(ImFont *font)
     }
 }
 
-static void load_fonts(ui *self)
+static bool build_fonts(ui *self, const ui_fallback *fallback)
 {
     ImFontAtlas *atlas = ImGui::GetIO().Fonts;
     const float body = THEME_BODY_POINTS * self->scale, title = THEME_TITLE_POINTS * self->scale,
                 large = THEME_LARGE_POINTS * self->scale;
+    const ImWchar *text = fallback ? fallback->text.Data : text_ranges;
     atlas->Clear();
     atlas->Flags |= ImFontAtlasFlags_NoPowerOfTwoHeight;
-    self->font[UI_FONT_BODY] = load(body, regular_paths, text_ranges, sign_ranges);
-    self->font[UI_FONT_STRONG] = load(body, strong_paths, text_ranges, sign_ranges);
-    self->font[UI_FONT_TITLE] = load(title, strong_paths, text_ranges, large_sign_ranges);
-    self->font[UI_FONT_LARGE] = load(large, strong_paths, large_ranges, large_sign_ranges);
-    self->font[UI_FONT_NUMBER] = load(body, regular_paths, large_ranges, large_sign_ranges);
-    atlas->Build();
+    self->font[UI_FONT_BODY] = load(body, regular_paths, text, sign_ranges, fallback);
+    self->font[UI_FONT_STRONG] = load(body, strong_paths, text, sign_ranges, fallback);
+    self->font[UI_FONT_TITLE] = load(title, strong_paths, text, large_sign_ranges, fallback);
+    self->font[UI_FONT_LARGE] = load(large, strong_paths, large_ranges, large_sign_ranges, nullptr);
+    self->font[UI_FONT_NUMBER] =
+        load(body, regular_paths, large_ranges, large_sign_ranges, nullptr);
+    return atlas->Build();
+}
+
+static void load_fonts(ui *self)
+{
+    ui_fallback fallback;
+    find_fallback(self, &fallback);
+    if (!build_fonts(self, &fallback)) /* a font of the system that Dear ImGui cannot read */
+        build_fonts(self, nullptr);
+    ImGui::GetIO().Fonts->ClearInputData();
+    for (int i = 0; i < fallback.count; ++i)
+        std::free(fallback.data[i]);
+    self->wanted->is_new = false;
     make_digits_even(self->font[UI_FONT_LARGE]);
     make_digits_even(self->font[UI_FONT_NUMBER]);
 }
@@ -1388,6 +1518,7 @@ bool ui_input(ui *self, const char *id, const char *hint, char *text, size_t cap
     ImGui::InputTextWithHint(id, hint ? hint : "", text, capacity,
                              ImGuiInputTextFlags_AutoSelectAll);
     const bool is_ended = was_ended(self, text);
+    ui_want_characters(self, text, text + std::strlen(text));
     if (hint && hint[0]) /* notes where the text will be */
         ui_notes_hint(self->notes);
     note_input(self, box, text[0] ? text : hint ? hint : "", text[0] ? THEME_TEXT : THEME_DIM);
@@ -1411,6 +1542,7 @@ bool ui_input_lines(ui *self, const char *id, char *text, size_t capacity, float
     ImGui::InputTextMultiline(id, text, capacity, box.GetSize());
     self->types_lines |= ImGui::IsItemActive();
     const bool is_ended = was_ended(self, text);
+    ui_want_characters(self, text, text + std::strlen(text));
     note_input(self, box, text, THEME_TEXT);
     return is_ended;
 }
@@ -1695,7 +1827,10 @@ static mrt_result start(ui *self, error *err)
     self->input = static_cast<ui_frame_input *>(std::calloc(1, sizeof(ui_frame_input)));
     self->notes = ui_notes_create();
     self->damage = ui_damage_create();
-    if (!self->queue || !self->input || !self->notes || !self->damage)
+    self->system = system_fonts_create();
+    self->wanted = static_cast<ui_characters *>(std::calloc(1, sizeof(ui_characters)));
+    if (!self->system || !self->wanted || !self->queue || !self->input || !self->notes ||
+        !self->damage)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the window");
     ui_queue_init(self->queue);
     IMGUI_CHECKVERSION();
@@ -1747,6 +1882,8 @@ void ui_destroy(ui *self)
         ImGui::DestroyContext(self->context);
     ui_notes_destroy(self->notes);
     ui_damage_destroy(self->damage);
+    system_fonts_destroy(self->system);
+    std::free(self->wanted);
     std::free(self->input);
     std::free(self->queue);
     std::free(self);
@@ -1798,7 +1935,7 @@ void ui_set_clipboard(ui *self, const ui_clipboard *clipboard)
 
 static void set_scale(ui *self, float scale)
 {
-    if (self->scale == scale)
+    if (self->scale == scale && !self->wanted->is_new)
         return;
     self->scale = scale;
     ui_damage_forget(self->damage);
