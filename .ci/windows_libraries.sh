@@ -33,12 +33,14 @@ by_cmake jansson -DJANSSON_BUILD_DOCS=OFF -DJANSSON_WITHOUT_TESTS=ON -DJANSSON_E
 by_cmake libsndfile -DENABLE_EXTERNAL_LIBS=OFF -DBUILD_PROGRAMS=OFF -DBUILD_EXAMPLES=OFF -DENABLE_CPACK=OFF
 by_cmake libsamplerate -DLIBSAMPLERATE_EXAMPLES=OFF -DLIBSAMPLERATE_INSTALL=ON
 by_cmake cmocka -DWITH_STATIC_LIB=ON -DWITH_EXAMPLES=OFF -DUNIT_TESTING=OFF
+mv "$prefix/lib/libcmocka-static.a" "$prefix/lib/cmocka.dll.a" # the name in its CMake package, where no file is
+rm "$prefix/lib/libcmocka.dll.a"
 
 (cd nettle && ./configure --host=$host --prefix="$prefix" --libdir="$prefix/lib" --disable-shared --disable-assembler \
     --disable-public-key --disable-openssl --disable-documentation && make -j "$(nproc)" libnettle.a nettle.pc && make install-headers install-static install-pkgconfig)
-(cd sqlite3 && ./configure --host=$host --prefix="$prefix" --disable-shared --disable-tcl --disable-readline &&
-    make sqlite3.c && $host-gcc -O2 -c sqlite3.c -o sqlite3.o -DSQLITE_ENABLE_COLUMN_METADATA && $host-ar rcs "$prefix/lib/libsqlite3.a" sqlite3.o &&
-    cp sqlite3.h "$prefix/include/" && make sqlite3.pc && cp sqlite3.pc "$prefix/lib/pkgconfig/")
+(cd sqlite3 && ./configure --prefix="$prefix" --disable-tcl --disable-readline && make sqlite3.c &&
+    $host-gcc -O2 -c sqlite3.c && $host-ar rcs "$prefix/lib/libsqlite3.a" sqlite3.o && cp sqlite3.h "$prefix/include/" &&
+    sed 's/-lz//' sqlite3.pc >"$prefix/lib/pkgconfig/sqlite3.pc")
 # CHOLMOD without supernodes and partitions, which need BLAS and METIS and which core/face does not use.
 (cd suitesparse && for source in SuiteSparse_config/SuiteSparse_config.c AMD/Source/amd_*.c COLAMD/Source/colamd.c CHOLMOD/{Core,Cholesky,Check}/cholmod_*.c; do
     $host-gcc -O2 -ffp-contract=off -DDINT -DNTIMER -DNPARTITION -DNSUPERNODAL -ISuiteSparse_config -IAMD/Include -ICOLAMD/Include \
