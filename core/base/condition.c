@@ -1,6 +1,6 @@
 #include "base/condition.h"
 
-#include "base/clock.h"
+#include "base/os.h"
 
 #include <time.h>
 
@@ -15,7 +15,6 @@ void condition_init(pthread_cond_t *out)
 
 bool condition_wait(pthread_cond_t *condition, pthread_mutex_t *mutex, int64_t until_ns)
 {
-    const struct timespec until = {.tv_sec = (time_t)(until_ns / NS_PER_S),
-                                   .tv_nsec = (long)(until_ns % NS_PER_S)};
+    const struct timespec until = os_condition_time(until_ns);
     return pthread_cond_timedwait(condition, mutex, &until) == 0;
 }

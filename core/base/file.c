@@ -1,16 +1,15 @@
-#define _GNU_SOURCE /* for SEEK_DATA */
 #include "base/file.h"
 
+#include "base/os.h"
 #include "base/suggest.h"
+#include "base/text.h"
 #include "base/trace.h"
 
 #include <ctype.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
@@ -25,8 +24,7 @@ mrt_result file_read(file_bytes *out, const char *path, size_t size_cap, error *
     *out = (file_bytes){0};
     mrt_result result = MRT_ERR_IO;
     struct stat status;
-    /* O_NONBLOCK: opening a FIFO must not hang. */
-    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    int fd = os_open(path, OS_READ);
     if (fd < 0) {
         const int reason = errno;
         return error_set(err, MRT_ERR_IO, "%s: %s%s", path, strerror(reason),
@@ -86,14 +84,7 @@ fail:
 
 bool file_next_data(int fd, uint64_t from, uint64_t *out_begin, uint64_t *out_end)
 {
-    const off_t begin = lseek(fd, (off_t)from, SEEK_DATA);
-    const off_t end = begin < 0 ? -1 : lseek(fd, begin, SEEK_HOLE);
-    *out_begin = *out_end = 0;
-    if (end <= begin)
-        return false;
-    *out_begin = (uint64_t)begin;
-    *out_end = (uint64_t)end;
-    return true;
+    return os_next_data(fd, from, out_begin, out_end);
 }
 
 uint64_t file_data_size(const char *path)
@@ -101,7 +92,7 @@ uint64_t file_data_size(const char *path)
     struct stat status;
     if (stat(path, &status) != 0 || !S_ISREG(status.st_mode))
         return 0;
-    const uint64_t size = (uint64_t)status.st_size, stored = 512 * (uint64_t)status.st_blocks;
+    const uint64_t size = (uint64_t)status.st_size, stored = os_stored_bytes(&status);
     return stored == 0 || stored > size ? size : stored;
 }
 
@@ -117,14 +108,13 @@ void file_bytes_finish(file_bytes *bytes)
  * writer was killed. */
 static bool remove_abandoned(const char *name)
 {
-    struct stat ours, there;
-    const int fd = open(name, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    struct stat status;
+    const int fd = os_open(name, OS_EDIT);
     if (fd < 0)
         return false;
-    const bool is_removed = fstat(fd, &ours) == 0 && S_ISREG(ours.st_mode) &&
-                            ours.st_uid == geteuid() && flock(fd, LOCK_EX | LOCK_NB) == 0 &&
-                            lstat(name, &there) == 0 && there.st_dev == ours.st_dev &&
-                            there.st_ino == ours.st_ino && unlink(name) == 0;
+    const bool is_removed = fstat(fd, &status) == 0 && S_ISREG(status.st_mode) &&
+                            os_is_mine(&status) && os_lock(fd) == OS_LOCK_HELD &&
+                            os_is_at(fd, name) && unlink(name) == 0;
     close(fd);
     return is_removed;
 }
@@ -134,10 +124,10 @@ static bool remove_abandoned(const char *name)
 static int make_locked(const char *name)
 {
     struct stat made;
-    const int fd = open(name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    const int fd = os_open(name, OS_CREATE);
     if (fd < 0)
         return -1;
-    const bool is_taken = flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    const bool is_taken = os_lock(fd) == OS_LOCK_OTHERS;
     if (!is_taken && fstat(fd, &made) == 0 && made.st_nlink > 0)
         return fd;
     close(fd);
@@ -217,8 +207,8 @@ mrt_result file_writer_commit(file_writer *writer, error *err)
     FILE *stream = writer->stream;
     int failed = ferror(stream) | fflush(stream);
     int reason = errno;
-    const int lock = fcntl(fileno(stream), F_DUPFD_CLOEXEC, 0);
-    if (!failed && fsync(fileno(stream)) != 0 && errno != EINVAL && errno != EROFS) {
+    const int lock = os_duplicate(fileno(stream));
+    if (!failed && os_sync(fileno(stream)) != 0 && errno != EINVAL && errno != EROFS) {
         failed = 1;
         reason = errno;
     }
@@ -227,7 +217,7 @@ mrt_result file_writer_commit(file_writer *writer, error *err)
         failed = 1;
         reason = errno;
     }
-    if (!failed && rename(writer->temporary_path, writer->path) != 0) {
+    if (!failed && os_rename(writer->temporary_path, writer->path) != 0) {
         failed = 1;
         reason = errno;
     }
@@ -273,16 +263,15 @@ file_lock file_lock_folder(int *out_fd, const char *path, int patience_ms)
 {
     const struct timespec pause = {.tv_nsec = 1000000};
     char *folder = file_directory(path);
-    const int fd = folder ? open(folder[0] ? folder : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+    const int fd = folder ? os_open(folder[0] ? folder : ".", OS_FOLDER) : -1;
     free(folder);
     *out_fd = -1;
     if (fd < 0)
         return FILE_LOCK_UNSUPPORTED;
-    while (flock(fd, LOCK_EX | LOCK_NB) != 0) {
-        const int reason = errno;
-        if (reason != EWOULDBLOCK || patience_ms-- <= 0) {
+    for (os_lock_state state; (state = os_lock(fd)) != OS_LOCK_HELD;) {
+        if (state == OS_LOCK_REFUSED || patience_ms-- <= 0) {
             close(fd);
-            return reason == EWOULDBLOCK ? FILE_LOCK_BUSY : FILE_LOCK_UNSUPPORTED;
+            return state == OS_LOCK_OTHERS ? FILE_LOCK_BUSY : FILE_LOCK_UNSUPPORTED;
         }
         (void)nanosleep(&pause, NULL);
     }
@@ -312,7 +301,7 @@ static bool begins_with_folder(const char *path, const char *folder)
 
 static bool is_below(const char *folder, const char *path)
 {
-    char *real_folder = realpath(folder[0] ? folder : ".", NULL), *real = realpath(path, NULL);
+    char *real_folder = os_real_path(folder[0] ? folder : "."), *real = os_real_path(path);
     bool below;
     if (real && real_folder)
         below = begins_with_folder(real, real_folder);
@@ -331,7 +320,7 @@ mrt_result file_check_below(const char *folder, const char *path, error *err)
     bool below = is_below(folder, path);
     while (!below && named && named[0]) {
         size_t length = strcspn(named, ":");
-        char *one = strndup(named, length);
+        char *one = text_duplicate(named, length);
         below = one && one[0] == '/' && is_below(one, path);
         free(one);
         named += length + (named[length] == ':');
@@ -366,7 +355,7 @@ const char *file_name_of(const char *path)
 char *file_directory(const char *path)
 {
     const char *slash = strrchr(path, '/');
-    return strndup(path, slash ? (size_t)(slash - path) + 1 : 0);
+    return text_duplicate(path, slash ? (size_t)(slash - path) + 1 : 0);
 }
 
 file_extension file_extension_of(const char *path)
@@ -455,7 +444,7 @@ mrt_result file_make_folders(const char *path, error *err)
         slash = strchr(slash + 1, '/');
         if (slash)
             *slash = '\0';
-        if (mkdir(partial, 0777) != 0) {
+        if (os_make_folder(partial) != 0) {
             const int reason = errno == EEXIST ? ENOTDIR : errno;
             if (!is_folder(partial))
                 result = error_set(err, MRT_ERR_IO, "%s: cannot create this folder: %s", partial,
@@ -477,7 +466,7 @@ mrt_result file_make_parent(const char *path, error *err)
         length -= 1;
     while (length > 1 && path[length - 1] == '/')
         length -= 1;
-    char *folder = strndup(path, length);
+    char *folder = text_duplicate(path, length);
     if (!folder)
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
     mrt_result result = length == 0 || is_folder(folder) ? MRT_OK : file_make_folders(folder, err);

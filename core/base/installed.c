@@ -1,5 +1,7 @@
 #include "base/installed.h"
 
+#include "base/os.h"
+
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,13 +12,11 @@
 /* Relative to the folder of the program: in an installation, and in the build folder. */
 static const char *const prefixes[] = {MAROTTE_PREFIX_FROM_PROGRAM, "."};
 static const char *const data[] = {MAROTTE_DATA_FROM_PROGRAM, "share/marotte"};
-enum { PLACES = 2 };
+enum { PLACES = 2, ENTRIES_MOST = 10000 };
 
 bool installed_program(char out[INSTALLED_LENGTH])
 {
-    ssize_t length = readlink("/proc/self/exe", out, INSTALLED_LENGTH - 1);
-    out[length > 0 ? length : 0] = '\0';
-    return length > 0 && length < INSTALLED_LENGTH - 1;
+    return os_program_path(out, INSTALLED_LENGTH);
 }
 
 /* Finds the first of the folders, relative to the program's folder, that contains the file. */
@@ -41,7 +41,7 @@ bool installed_prefix(char out[INSTALLED_LENGTH])
     if (!find(out, prefixes, header))
         return false;
     out[strlen(out) - sizeof header] = '\0';
-    char *real = realpath(out, NULL);
+    char *real = os_real_path(out);
     bool fits = real && strlen(real) < INSTALLED_LENGTH;
     if (fits)
         memcpy(out, real, strlen(real) + 1);
@@ -102,7 +102,7 @@ char *installed_path(installed_kind kind, const char *given)
 {
     char found[INSTALLED_LENGTH];
     if (is_name(given) && !is_file(given) && find_named(found, kind, given))
-        return realpath(found, NULL);
+        return os_real_path(found);
     return strdup(given);
 }
 
@@ -117,18 +117,44 @@ char *installed_kept_face(const char *path)
     return strdup(path);
 }
 
+static int by_text(const void *a, const void *b)
+{
+    return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+/* Returns the names of all entries of a folder, sorted; the caller frees each and the list. NULL:
+ * none. */
+static char **read_folder(const char *folder, size_t *out_count)
+{
+    DIR *opened = opendir(folder);
+    char **list = NULL;
+    size_t count = 0;
+    for (const struct dirent *entry; opened && count < ENTRIES_MOST && (entry = readdir(opened));) {
+        char **longer = realloc(list, (count + 1) * sizeof *list);
+        if (!longer)
+            break;
+        list = longer;
+        list[count] = strdup(entry->d_name);
+        count += list[count] != NULL;
+    }
+    if (opened)
+        closedir(opened);
+    if (count > 0)
+        qsort(list, count, sizeof *list, by_text);
+    *out_count = count;
+    return list;
+}
+
 /* Writes "moai, puppet", and also considers each name for `near`. */
 static void list_names(char *out, size_t capacity, installed_kind kind, suggest *near)
 {
     char folder[INSTALLED_LENGTH], path[INSTALLED_LENGTH];
-    struct dirent **entry = NULL;
     const char *ending = kinds[kind].ending;
-    size_t used = 0;
+    size_t used = 0, count = 0;
     out[0] = '\0';
-    const int count =
-        find(folder, data, kinds[kind].folder) ? scandir(folder, &entry, NULL, alphasort) : 0;
-    for (int i = 0; i < count; ++i) {
-        char *name = entry[i]->d_name, *dot = strrchr(name, '.');
+    char **entry = find(folder, data, kinds[kind].folder) ? read_folder(folder, &count) : NULL;
+    for (size_t i = 0; i < count; ++i) {
+        char *name = entry[i], *dot = strrchr(name, '.');
         const bool is_ending = !ending[0] || (dot && strcmp(dot, ending) == 0);
         if (is_ending && ending[0])
             *dot = '\0';
@@ -138,7 +164,7 @@ static void list_names(char *out, size_t capacity, installed_kind kind, suggest 
                 snprintf(out + used, capacity - used, "%s%s", used ? ", " : "", name);
             used += length > 0 ? (size_t)length : 0;
         }
-        free(entry[i]);
+        free(name);
     }
     free(entry);
 }

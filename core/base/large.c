@@ -1,10 +1,8 @@
 #include "base/large.h"
 
+#include "base/os.h"
+
 #include <stdint.h>
-#include <stdlib.h>
-#ifdef __linux__
-#include <sys/mman.h>
-#endif
 
 /* For smaller arrays, the unused part of the last page would cost more than large pages gain. */
 static const size_t large_from = (size_t)8 << 20;
@@ -19,10 +17,13 @@ void *large_alloc(size_t bytes)
 {
     size_t step = bytes < large_from ? (size_t)LARGE_ALIGNMENT : page;
     size_t whole = up_to(bytes > 0 ? bytes : 1, step);
-    void *found = whole > 0 ? aligned_alloc(step, whole) : NULL;
-#ifdef MADV_HUGEPAGE
+    void *found = whole > 0 ? os_aligned_alloc(step, whole) : NULL;
     if (found && step == page)
-        (void)madvise(found, whole, MADV_HUGEPAGE); /* else it stays on small pages */
-#endif
+        os_use_large_pages(found, whole);
     return found;
+}
+
+void large_free(void *array)
+{
+    os_aligned_free(array);
 }

@@ -7,7 +7,8 @@
 
 enum { LARGE_ALIGNMENT = 64 };
 
-/* Allocates uninitialised memory; free it with free(). NULL: no memory. */
+/* Allocates uninitialised memory. NULL: no memory. */
 void *large_alloc(size_t bytes);
+void large_free(void *array); /* accepts NULL */
 
 #endif

@@ -1,12 +1,13 @@
 #include "base/memory.h"
 
+#include "base/os.h"
+
 #include <malloc.h>
 #include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <unistd.h>
 #ifdef __linux__
 #include <sys/mman.h>
+#include <unistd.h>
 #endif
 
 enum {
@@ -19,14 +20,7 @@ enum {
 
 uint64_t memory_resident(void)
 {
-    unsigned long long total = 0, resident = 0;
-    FILE *file = fopen("/proc/self/statm", "r");
-    if (!file)
-        return 0;
-    int read = fscanf(file, "%llu %llu", &total, &resident);
-    fclose(file);
-    long page = sysconf(_SC_PAGESIZE);
-    return read == 2 && page > 0 ? resident * (unsigned long long)page : 0;
+    return os_resident_bytes();
 }
 
 /* Extends the heap once to HEAP_AT_START_BYTES of address space, and requests huge pages there.

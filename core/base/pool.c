@@ -2,18 +2,14 @@
 
 #include "base/clock.h"
 #include "base/cpu.h"
+#include "base/os.h"
 
 #include <fenv.h>
-#include <limits.h>
-#include <linux/futex.h>
 #include <pthread.h>
 #include <sched.h>
-#include <signal.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/syscall.h>
-#include <unistd.h>
 
 enum { SPIN_NS = 60000, SPINS_PER_LOOK = 32, SPINS_BEFORE_YIELD = 256, USUAL_MAX = 4 };
 
@@ -47,8 +43,6 @@ static struct {
           .worth_ns = POOL_WORTH_NS,
           .holding = PTHREAD_MUTEX_INITIALIZER,
           .caller_cpu = CPU_UNKNOWN};
-
-_Static_assert(sizeof(_Atomic uint32_t) == sizeof(uint32_t), "a futex is a plain 32-bit word");
 
 /* ---- number of threads ---- */
 
@@ -140,7 +134,7 @@ static void sleep_while(uint64_t number)
     atomic_fetch_add(&pool.asleep_count, 1);
     uint32_t count = atomic_load(&pool.wake_count);
     while (number_of(atomic_load(&pool.gate)) == number) {
-        syscall(SYS_futex, &pool.wake_count, FUTEX_WAIT_PRIVATE, count, NULL, NULL, 0);
+        os_wait_word(&pool.wake_count, count, INT64_MAX);
         count = atomic_load(&pool.wake_count);
     }
     atomic_fetch_sub(&pool.asleep_count, 1);
@@ -189,7 +183,7 @@ static void wake_workers(void)
         cpu_keep_off(pool.worker, pool.worker_count, cpu);
     pool.caller_cpu = cpu;
     atomic_fetch_add(&pool.wake_count, 1);
-    syscall(SYS_futex, &pool.wake_count, FUTEX_WAKE_PRIVATE, INT_MAX, NULL, NULL, 0);
+    os_wake_word(&pool.wake_count);
 }
 
 /* ---- starting and ending ---- */
@@ -232,19 +226,15 @@ static void in_child(void)
 
 static void watch_forks(void)
 {
-    (void)pthread_atfork(before_fork, after_fork, in_child);
+    os_on_fork(before_fork, after_fork, in_child);
 }
 
-/* Starts as many as possible. They block all signals, so that other threads handle them. */
+/* Starts as many as possible. */
 static void start_workers(uint32_t wanted)
 {
-    sigset_t all, old;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &old);
     while (pool.worker_count < wanted &&
-           pthread_create(&pool.worker[pool.worker_count], NULL, serve, NULL) == 0)
+           os_start_thread(&pool.worker[pool.worker_count], serve, NULL) == 0)
         ++pool.worker_count;
-    pthread_sigmask(SIG_SETMASK, &old, NULL);
     pool.caller_cpu = CPU_UNKNOWN;
 }
 

@@ -22,6 +22,18 @@ text_view text_view_of(const void *data, size_t size)
     return (text_view){at, at + size};
 }
 
+char *text_duplicate(const char *text, size_t length)
+{
+    const char *end = memchr(text, '\0', length);
+    const size_t used = end ? (size_t)(end - text) : length;
+    char *out = malloc(used + 1);
+    if (!out)
+        return NULL;
+    memcpy(out, text, used);
+    out[used] = '\0';
+    return out;
+}
+
 bool text_next_line(text_view *rest, text_view *out_line)
 {
     if (rest->at == rest->end)

@@ -12,6 +12,8 @@ typedef struct text_view {
 } text_view;
 
 text_view text_view_of(const void *data, size_t size);
+/* Copies at most `length` letters; the caller frees it. NULL: no memory. */
+char *text_duplicate(const char *text, size_t length);
 
 /* Removes the next line (ended by \n, \r\n or the end) from `rest`. Returns false at the end. */
 bool text_next_line(text_view *rest, text_view *out_line);

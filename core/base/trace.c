@@ -1,6 +1,7 @@
 #include "base/trace.h"
 
 #include "base/clock.h"
+#include "base/os.h"
 #include "base/text.h"
 
 #include <stdarg.h>
@@ -8,7 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 enum { TRACE_LINE = 400 };
@@ -66,7 +66,7 @@ void trace_print(trace_room room, const char *format, ...)
     text_make_printable(text);
     const int length =
         snprintf(line, sizeof line, "%.6f %ld %s: %s\n", 1e-9 * (double)clock_now_ns(),
-                 (long)syscall(SYS_gettid), room_names[room], text);
+                 os_thread_id(), room_names[room], text);
     if (length > 0)
         (void)!write(STDERR_FILENO, line, (size_t)length);
 }

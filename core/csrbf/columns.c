@@ -112,7 +112,7 @@ void columns_destroy(columns *c)
 {
     if (!c)
         return;
-    free(c->value);
+    large_free(c->value);
     free(c->mark);
     free(c->filled);
     weights_destroy(&c->weights);

@@ -242,7 +242,7 @@ void points_destroy(points *p)
 {
     if (!p)
         return;
-    free(p->x);
+    large_free(p->x);
     free(p->block);
     *p = (points){0};
 }

@@ -1,5 +1,6 @@
 #include "csrbf/saddle.h"
 
+#include "base/large.h"
 #include "base/pool.h"
 #include "csrbf/lanes.h"
 
@@ -174,8 +175,7 @@ bool envelope_create(envelope *out, uint32_t row_capacity)
     out->first = calloc(rows + 1, sizeof *out->first);
     out->start = calloc(rows + 1, sizeof *out->start);
     out->value = calloc(rows * (rows + 1) / 2 + 1, sizeof *out->value);
-    out->group =
-        aligned_alloc(64, (rows + 1) * ENVELOPE_GROUPS * ENVELOPE_LANES * sizeof *out->group);
+    out->group = large_alloc((rows + 1) * ENVELOPE_GROUPS * ENVELOPE_LANES * sizeof *out->group);
     if (out->first && out->start && out->value && out->group)
         return true;
     envelope_destroy(out);
@@ -189,7 +189,7 @@ void envelope_destroy(envelope *e)
     free(e->first);
     free(e->start);
     free(e->value);
-    free(e->group);
+    large_free(e->group);
     *e = (envelope){0};
 }
 

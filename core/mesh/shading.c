@@ -1,6 +1,7 @@
 #include "mesh/shading.h"
 
 #include "base/arrays.h"
+#include "base/large.h"
 
 #include <float.h>
 #include <math.h>
@@ -51,7 +52,7 @@ struct shading {
     stamps written;
 };
 
-enum { ALIGNMENT = 64, STAGGER = 80 }; /* floats between two streams: not a power of two */
+enum { STAGGER = 80 }; /* floats between two streams: not a power of two */
 /* Cost of a single vertex, relative to one in a whole block, which shares triangles. */
 enum { LANES_WORTH = 7 };
 
@@ -507,8 +508,8 @@ static bool allocate(shading *self)
     self->table = calloc(blocks, sizeof *self->table);
     self->is_new = calloc(blocks, sizeof *self->is_new);
     self->is_placed = calloc(blocks, sizeof *self->is_placed);
-    self->position = aligned_alloc(ALIGNMENT, slots * sizeof *self->position);
-    self->normal[0] = aligned_alloc(ALIGNMENT, 6 * stream * sizeof(float));
+    self->position = large_alloc(slots * sizeof *self->position);
+    self->normal[0] = large_alloc(6 * stream * sizeof(float));
     if (!self->block || !self->table || !self->is_new || !self->is_placed || !self->position ||
         !self->normal[0])
         return false;
@@ -569,8 +570,8 @@ void shading_destroy(shading *self)
     free(self->corner);
     free(self->more);
     free(self->neighbour);
-    free(self->position);
-    free(self->normal[0]);
+    large_free(self->position);
+    large_free(self->normal[0]);
     free(self->is_new);
     free(self->is_placed);
     stamps_destroy(&self->written);

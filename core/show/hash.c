@@ -1,7 +1,8 @@
 #include "show/hash.h"
 
+#include "base/os.h"
+
 #include <errno.h>
-#include <fcntl.h>
 #include <nettle/sha2.h>
 #include <stdlib.h>
 #include <string.h>
@@ -55,7 +56,7 @@ static mrt_result hash_stream(char out[TAKE_HASH], int fd, const char *path, err
 mrt_result hash_file(char out[TAKE_HASH], const char *path, error *err)
 {
     out[0] = '\0';
-    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    int fd = os_open(path, OS_READ);
     if (fd < 0)
         return error_set(err, MRT_ERR_IO, "%s: %s", path, strerror(errno));
     mrt_result result = hash_stream(out, fd, path, err);

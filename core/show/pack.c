@@ -1,5 +1,6 @@
 #include "show/pack.h"
 
+#include "base/os.h"
 #include "base/file.h"
 #include "base/text.h"
 #include "io/mesh_file.h"
@@ -78,7 +79,7 @@ static bool is_folder(const char *folder)
     struct stat status;
     char path[PATH_MAX];
     (void)snprintf(path, sizeof path, "%.*s", (int)(strlen(folder) - 1), folder);
-    return lstat(path, &status) == 0 && S_ISDIR(status.st_mode);
+    return os_stat_link(path, &status) == 0 && S_ISDIR(status.st_mode);
 }
 
 static bool is_hash(const char *text)
@@ -126,10 +127,10 @@ static mrt_result check_file(const char *folder, const char *name, const char *h
     mrt_result result = join(path, folder, name, err);
     for (char *at = path + strlen(folder); result >= 0 && (at = strchr(at, '/')); *at++ = '/') {
         *at = '\0';
-        if (lstat(path, &status) != 0 || !S_ISDIR(status.st_mode))
+        if (os_stat_link(path, &status) != 0 || !S_ISDIR(status.st_mode))
             result = error_set(err, MRT_ERR_FORMAT, "%s: is not a folder", path);
     }
-    if (result >= 0 && lstat(path, &status) != 0)
+    if (result >= 0 && os_stat_link(path, &status) != 0)
         result = error_set(err, MRT_ERR_IO, "%s: %s", path, strerror(errno));
     if (result >= 0 && (!S_ISREG(status.st_mode) || status.st_size > PACK_BYTES_MAX))
         result = error_set(err, MRT_ERR_FORMAT, "%s: is not a regular file, or too large", path);
@@ -149,7 +150,7 @@ static mrt_result read_list(file_list **out, const char *folder, error *err)
     if (!*out)
         return no_memory(err);
     mrt_result result = join(path, folder, list_name, err);
-    if (result >= 0 && (lstat(path, &status) != 0 || !S_ISREG(status.st_mode)))
+    if (result >= 0 && (os_stat_link(path, &status) != 0 || !S_ISREG(status.st_mode)))
         result = error_set(err, MRT_ERR_FORMAT, "%s: is no file", path);
     if (result >= 0)
         result = file_read(&bytes, path, LIST_BYTES_MAX, err);
@@ -208,7 +209,7 @@ mrt_result pack_find(char out_face[PATH_MAX], const char *show_path, const take_
     if (result < 0)
         return result;
     pack[strlen(pack) - 1] = '\0';
-    if (lstat(pack, &status) != 0 && errno == ENOENT)
+    if (os_stat_link(pack, &status) != 0 && errno == ENOENT)
         return MRT_END;
     pack[strlen(pack)] = '/';
     if (!is_folder(pack))
@@ -426,11 +427,11 @@ static mrt_result write_face(const file_list *list, const char *from, const char
                              const char *pack, const char *folder, error *err)
 {
     char meanwhile[PATH_MAX], source[PATH_MAX], to[PATH_MAX];
-    (void)mkdir(pack, 0777);
+    (void)os_make_folder(pack);
     mrt_result result = join(meanwhile, pack, "unfinished.XXXXXX", err);
     if (result < 0)
         return result;
-    if (!is_folder(pack) || !mkdtemp(meanwhile))
+    if (!is_folder(pack) || os_make_new_folder(meanwhile) != 0)
         return error_set(err, MRT_ERR_IO, "%s: cannot write: %s", pack, strerror(errno));
     (void)chmod(meanwhile, 0755);
     size_t end = strlen(meanwhile);

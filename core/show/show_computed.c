@@ -1,16 +1,16 @@
 /* Performances whose samples were computed. */
 #include "show/writer_store.h"
 #include "base/clock.h"
+#include "base/os.h"
 
 #include <stdio.h>
 #include <unistd.h>
 
 static mrt_result insert_session(show *self, const char *program, int64_t *out_id, error *err)
 {
-    char host[128] = "";
+    char host[128];
     const int64_t now_ns = clock_utc_ms() * NS_PER_MS;
-    if (gethostname(host, sizeof host - 1) != 0)
-        host[0] = '\0';
+    os_host_name(host, sizeof host);
     mrt_result result =
         sqlite_change(self->db, err,
                       "INSERT INTO session(utc_ns, monotonic_ns, ended_ns, program, host, process)"

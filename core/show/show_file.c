@@ -1,11 +1,11 @@
 #include "show/show_file.h"
 
+#include "base/os.h"
+
 #include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
@@ -19,8 +19,7 @@ static void describe_self(char *out, size_t capacity)
     char host[64] = "", since[32] = "";
     time_t now = time(NULL);
     struct tm utc;
-    if (gethostname(host, sizeof host - 1) != 0)
-        snprintf(host, sizeof host, "this computer");
+    os_host_name(host, sizeof host);
     if (gmtime_r(&now, &utc))
         (void)strftime(since, sizeof since, "%Y-%m-%d %H:%M:%S UTC", &utc);
     snprintf(out, capacity, "process %ld on %s since %s", (long)getpid(), host, since);
@@ -28,7 +27,7 @@ static void describe_self(char *out, size_t capacity)
 
 static void read_other(int fd, char who[WHO])
 {
-    ssize_t got = pread(fd, who, WHO - 1, 0);
+    ssize_t got = os_read_at(fd, who, WHO - 1, 0);
     who[got > 0 ? got : 0] = '\0';
     for (char *c = who; *c; ++c)
         if (*c < 32 || *c > 126)
@@ -37,45 +36,37 @@ static void read_other(int fd, char who[WHO])
         snprintf(who, WHO, "another program");
 }
 
-/* Returns false if the last holder removed the lock file between our open and our lock. */
-static bool is_still_there(int fd, const char *path)
-{
-    struct stat ours, there;
-    return fstat(fd, &ours) == 0 && stat(path, &there) == 0 && ours.st_ino == there.st_ino &&
-           ours.st_dev == there.st_dev;
-}
-
 static show_lock_state try_once(show_lock *out, char who[WHO])
 {
-    out->fd = open(out->path, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+    out->fd = os_open(out->path, OS_EDIT_OR_CREATE);
     if (out->fd < 0) {
         snprintf(who, WHO, "%s", strerror(errno));
         return SHOW_LOCK_REFUSED;
     }
-    if (flock(out->fd, LOCK_EX | LOCK_NB) == 0)
+    const os_lock_state state = os_lock(out->fd);
+    if (state == OS_LOCK_HELD)
         return SHOW_LOCK_HELD;
-    int reason = errno;
-    if (reason == EWOULDBLOCK)
+    if (state == OS_LOCK_OTHERS)
         read_other(out->fd, who);
     else
-        snprintf(who, WHO, "%s", strerror(reason));
+        snprintf(who, WHO, "%s", strerror(errno));
     close(out->fd);
     out->fd = -1;
-    return reason == EWOULDBLOCK ? SHOW_LOCK_OTHERS : SHOW_LOCK_REFUSED;
+    return state == OS_LOCK_OTHERS ? SHOW_LOCK_OTHERS : SHOW_LOCK_REFUSED;
 }
 
 static void sign(int fd)
 {
     char text[WHO];
     describe_self(text, sizeof text);
-    if (ftruncate(fd, 0) != 0 || pwrite(fd, text, strlen(text), 0) < 0)
+    if (ftruncate(fd, 0) != 0 || os_write_at(fd, text, strlen(text), 0) < 0)
         return; /* the lock still works; only the name of its holder is missing */
 }
 
 /* Returns the path of the lock, beside the real file, also if `path` is a link. */
 static char *lock_path(const char *show_path)
 {
-    char *real = realpath(show_path, NULL);
+    char *real = os_real_path(show_path);
     char *path = real ? show_beside(real, "-lock") : NULL;
     free(real);
     return path;
@@ -92,7 +83,8 @@ show_lock_state show_lock_acquire(show_lock *out, const char *show_path, char wh
         show_lock_state state = try_once(out, who);
         if (state != SHOW_LOCK_HELD)
             return state;
-        if (is_still_there(out->fd, out->path)) {
+        /* else the last holder removed the file between our open and our lock */
+        if (os_is_at(out->fd, out->path)) {
             sign(out->fd);
             return SHOW_LOCK_HELD;
         }
@@ -106,7 +98,7 @@ show_lock_state show_lock_acquire(show_lock *out, const char *show_path, char wh
 void show_lock_release(show_lock *lock)
 {
     if (lock->path && lock->fd >= 0) {
-        if (is_still_there(lock->fd, lock->path))
+        if (os_is_at(lock->fd, lock->path))
             (void)unlink(lock->path);
         close(lock->fd);
     }
@@ -242,9 +234,9 @@ const char *show_notice(const show *self)
 
 bool show_is_file(const show *self, const char *path)
 {
-    struct stat status;
-    return stat(path, &status) == 0 && status.st_dev == self->device &&
-           status.st_ino == self->inode;
+    os_file_id there;
+    return os_id_of_path(path, &there) && there.device == self->file.device &&
+           there.number == self->file.number;
 }
 
 bool show_is_missing(const show *self)

@@ -3,10 +3,9 @@
  * belongs to one thread at a time, except show_next_id: any thread. */
 #ifndef MAROTTE_TAKE_SHOW_FILE_H
 #define MAROTTE_TAKE_SHOW_FILE_H
+#include "base/os.h"
 #include "show/show.h"
 #include "show/sqlite.h"
-
-#include <sys/types.h>
 
 /* ---- the lock of the writing program ---- */
 
@@ -45,8 +44,7 @@ struct show {
     bool is_writable;
     char notice[1024];
     show_lock lock;
-    dev_t device; /* device and inode of the open file */
-    ino_t inode;
+    os_file_id file;                        /* the open file */
     struct show *owner;                     /* the show that assigns its ids; NULL: itself */
     _Atomic int64_t last_id[SHOW_ID_COUNT]; /* last assigned ids. A row gets its id before it is
                                                written, also from callers of the writer */

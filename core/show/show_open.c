@@ -162,11 +162,7 @@ static mrt_result read_last_ids(show *self, error *err)
 
 static void remember_file(show *self)
 {
-    struct stat status;
-    if (stat(self->path, &status) == 0) {
-        self->device = status.st_dev;
-        self->inode = status.st_ino;
-    }
+    (void)os_id_of_path(self->path, &self->file);
 }
 
 static mrt_result show_alloc(show **out, const char *path, error *err)
@@ -297,7 +293,7 @@ mrt_result show_open(show **out, const char *path, show_mode mode, error *err)
  * its mode. */
 static mrt_result make_file(const char *path, error *err)
 {
-    int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+    int fd = os_open(path, OS_CREATE_PRIVATE);
     if (fd < 0)
         return error_set(err, MRT_ERR_IO, "%s: cannot create the show: %s", path, strerror(errno));
     close(fd);
@@ -353,8 +349,7 @@ mrt_result show_join(show **out, show *owner, error *err)
     self->owner = owner;
     self->version = owner->version;
     self->is_writable = true;
-    self->device = owner->device;
-    self->inode = owner->inode;
+    self->file = owner->file;
     result = show_connect(owner, &self->db, err);
     if (result < 0) {
         show_close(self);
@@ -403,10 +398,12 @@ static mrt_result rescue_as(show *self, const char *stem, char out_path[PATH_MAX
     return error_set(err, MRT_ERR_IO, "%s: too many copies are beside it; move them away", stem);
 }
 
+enum { NAME_LENGTH = 255 }; /* of a file, on all systems */
+
 static mrt_result rescue_home(show *self, const char *name, char out_path[PATH_MAX], error *err)
 {
-    char stem[PATH_MAX], rest[NAME_MAX + 16];
-    (void)snprintf(rest, sizeof rest, "rescued/%.*s", NAME_MAX, name);
+    char stem[PATH_MAX], rest[NAME_LENGTH + 16];
+    (void)snprintf(rest, sizeof rest, "rescued/%.*s", NAME_LENGTH, name);
     mrt_result result = file_home_path(stem, sizeof stem, FILE_HOME_DATA, rest, err);
     char *folder = result >= 0 ? file_directory(stem) : NULL;
     if (result >= 0)

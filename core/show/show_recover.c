@@ -215,10 +215,8 @@ static mrt_result salvage_file(const char *path,
                                budget *left, error *err)
 {
     pages in = {.file = fopen(path, "rb"), .left = left};
-    const int holes = open(
-        path,
-        O_RDONLY |
-            O_CLOEXEC); /* separate descriptor, because the search for holes moves its position */
+    const int holes = os_open(
+        path, OS_READ); /* separate descriptor, because the search for holes moves its position */
     if (!in.file || holes < 0) {
         if (in.file)
             (void)fclose(in.file);
@@ -550,7 +548,7 @@ static mrt_result copy_file(const char *path, FILE *out, error *err)
 {
     char piece[65536];
     uint64_t begin, end = 0;
-    const int in = open(path, O_RDONLY | O_CLOEXEC);
+    const int in = os_open(path, OS_READ);
     if (in < 0)
         return error_set(err, MRT_ERR_IO, "%s: cannot be read", path);
     bool good = true;
@@ -559,7 +557,7 @@ static mrt_result copy_file(const char *path, FILE *out, error *err)
         while (good && begin < end) {
             const uint64_t left = end - begin;
             const ssize_t got =
-                pread(in, piece, left < sizeof piece ? left : sizeof piece, (off_t)begin);
+                os_read_at(in, piece, left < sizeof piece ? left : sizeof piece, (int64_t)begin);
             good = got > 0 && fwrite(piece, 1, (size_t)got, out) == (size_t)got &&
                    !cancel_is_requested();
             begin += good ? (uint64_t)got : 0;

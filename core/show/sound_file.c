@@ -46,7 +46,7 @@ static int64_t data_size(const sound_bytes *self, const unsigned char *chunk, in
 static int64_t read_wide_size(const sound_bytes *self, int64_t at)
 {
     unsigned char b[16];
-    if (pread(self->fd, b, sizeof b, (off_t)(at + CHUNK)) != (ssize_t)sizeof b)
+    if (os_read_at(self->fd, b, sizeof b, at + CHUNK) != (ssize_t)sizeof b)
         return 0;
     uint64_t size = (uint64_t)number_of(self, b + 12) << 32 | number_of(self, b + 8);
     return size <= INT64_MAX / 2 ? (int64_t)size : 0;
@@ -57,7 +57,7 @@ static bool is_whole_riff(const sound_bytes *self, int64_t *out_promised)
     unsigned char chunk[CHUNK];
     int64_t at = HEADER, wide_size = 0;
     for (int i = 0; i < CHUNKS_MAX; ++i) {
-        if (pread(self->fd, chunk, sizeof chunk, (off_t)at) != (ssize_t)sizeof chunk)
+        if (os_read_at(self->fd, chunk, sizeof chunk, at) != (ssize_t)sizeof chunk)
             return true; /* no sound; the later reading reports it */
         int64_t size = (int64_t)number_of(self, chunk + 4);
         if (memcmp(chunk, "ds64", 4) == 0)
@@ -78,7 +78,7 @@ static bool is_whole_ogg(const sound_bytes *self)
     static unsigned char const mark[4] = {'O', 'g', 'g', 'S'};
     unsigned char tail[OGG_PAGE_MAX + OGG_HEADER];
     int64_t from = self->size > (int64_t)sizeof tail ? self->size - (int64_t)sizeof tail : 0;
-    ssize_t got = pread(self->fd, tail, sizeof tail, (off_t)from);
+    ssize_t got = os_read_at(self->fd, tail, sizeof tail, from);
     for (ssize_t at = got - OGG_HEADER; at >= 0; --at) {
         if (memcmp(tail + at, mark, sizeof mark) != 0 || tail[at + 4] != 0)
             continue;
@@ -102,7 +102,7 @@ static bool sound_whole(int fd, int64_t *out_promised, int64_t *out_there)
     unsigned char head[HEADER];
     sound_bytes self = {.fd = fd};
     *out_promised = *out_there = 0;
-    if (fstat(fd, &status) != 0 || pread(fd, head, sizeof head, 0) != (ssize_t)sizeof head)
+    if (fstat(fd, &status) != 0 || os_read_at(fd, head, sizeof head, 0) != (ssize_t)sizeof head)
         return true;
     self.size = *out_there = (int64_t)status.st_size;
     self.is_big_endian = memcmp(head, "FORM", 4) == 0 || memcmp(head, "RIFX", 4) == 0;
@@ -147,7 +147,7 @@ static mrt_result open_regular(sound_input *self, error *err)
 {
     struct stat status;
     /* O_NONBLOCK: opening a FIFO must not hang. */
-    self->fd = open(self->path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    self->fd = os_open(self->path, OS_READ);
     if (self->fd < 0 || fstat(self->fd, &status) != 0)
         return error_set(err, MRT_ERR_IO, "%s: %s", self->path, strerror(errno));
     if (!S_ISREG(status.st_mode))

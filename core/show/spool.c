@@ -4,20 +4,17 @@
 
 #include <dirent.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <limits.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
-#include <sys/mman.h>
 #include <time.h>
 #include <unistd.h>
 
 enum { PATH_BYTES = 96, RECORDS_MAX = 1 << 20, RECORDS_AT = 8192, KEPT_S = 3600 };
 static const uint64_t magic = 0x33304c4f4f50534d; /* "MSPOOL03" */
-static const char folder[] = "/dev/shm/", ending[] = ".spool";
+static const char ending[] = ".spool";
 
 typedef struct lane_head {
     _Atomic int64_t whose;
@@ -53,25 +50,15 @@ struct spool {
 
 static void begin_name(char out[PATH_BYTES])
 {
-    (void)snprintf(out, PATH_BYTES, "marotte-%ju-", (uintmax_t)geteuid());
+    (void)snprintf(out, PATH_BYTES, "marotte-%ju-", (uintmax_t)os_user());
 }
 
-static void path_of(char out[PATH_BYTES], const struct stat *of)
+static void path_of(char out[PATH_BYTES], const os_file_id *of)
 {
     char begin[PATH_BYTES];
     begin_name(begin);
-    (void)snprintf(out, PATH_BYTES, "%s%.40s%jx-%ju%s", folder, begin, (uintmax_t)of->st_dev,
-                   (uintmax_t)of->st_ino, ending);
-}
-
-/* Allocates all pages of a new file in one call. Each page fault would cost 7 microseconds. */
-static void fault_in(void *map, size_t size)
-{
-#ifdef MADV_POPULATE_WRITE
-    if (madvise(map, size, MADV_POPULATE_WRITE) == 0)
-        return;
-#endif
-    memset(map, 0, size);
+    (void)snprintf(out, PATH_BYTES, "%s%.40s%jx-%ju%s", os_memory_folder(), begin,
+                   (uintmax_t)of->device, (uintmax_t)of->number, ending);
 }
 
 /* Maps a new file. All its pages are allocated before use, so no access waits or fails. The file
@@ -83,20 +70,17 @@ static void *map_new_file(int *out_fd, const char *path, size_t size)
     (void)snprintf(made, sizeof made, "%s.new", path);
     (void)unlink(made);
     *out_fd = -1;
-    int fd = open(made, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
+    int fd = os_open(made, OS_CREATE_PRIVATE);
     if (fd < 0)
         return NULL;
-    void *map = MAP_FAILED;
-    if (flock(fd, LOCK_EX | LOCK_NB) == 0 && posix_fallocate(fd, 0, (off_t)size) == 0)
-        map = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
-    if (map == MAP_FAILED) {
+    void *map = os_lock(fd) == OS_LOCK_HELD ? os_map_new(fd, size) : NULL;
+    if (!map) {
         close(fd);
         (void)unlink(made);
         return NULL;
     }
-    fault_in(map, size);
-    if (rename(made, path) != 0) {
-        (void)munmap(map, size);
+    if (os_rename(made, path) != 0) {
+        os_unmap(map, size);
         close(fd);
         (void)unlink(made);
         return NULL;
@@ -120,7 +104,7 @@ static void use_map(spool *self, void *map, const spool_shape *shape)
     self->mask = shape->record_count - 1;
 }
 
-spool *spool_create(const struct stat *of, const char *path, const spool_shape *shape,
+spool *spool_create(const os_file_id *of, const char *path, const spool_shape *shape,
                     int64_t context)
 {
     spool *self = calloc(1, sizeof *self);
@@ -138,14 +122,14 @@ spool *spool_create(const struct stat *of, const char *path, const spool_shape *
         return NULL;
     }
     use_map(self, map, shape);
-    self->head->device = (uint64_t)of->st_dev;
-    self->head->inode = (uint64_t)of->st_ino;
+    self->head->device = of->device;
+    self->head->inode = of->number;
     self->head->context = context;
     self->head->record_size = (uint32_t)shape->record_size;
     self->head->record_count = shape->record_count;
     self->head->lane_record_size = (uint32_t)shape->lane_record_size;
     self->head->lane_record_count = shape->lane_record_count;
-    char *real = realpath(path, NULL);
+    char *real = os_real_path(path);
     if (real && strlen(real) < sizeof self->head->show_path)
         (void)snprintf(self->head->show_path, sizeof self->head->show_path, "%s", real);
     free(real);
@@ -154,26 +138,38 @@ spool *spool_create(const struct stat *of, const char *path, const spool_shape *
     return self;
 }
 
-void spool_abandon(spool *self)
+static void release_memory(spool *self)
 {
-    if (!self)
-        return;
     if (self->map_size > 0)
-        (void)munmap(self->head, self->map_size);
+        os_unmap(self->head, self->map_size);
     else
         free(self->head);
+}
+
+static void release(spool *self)
+{
     if (self->fd >= 0)
         close(self->fd);
     free(self);
 }
 
+void spool_abandon(spool *self)
+{
+    if (!self)
+        return;
+    release_memory(self);
+    release(self);
+}
+
+/* Removes the file while it is still locked. */
 void spool_destroy(spool *self)
 {
     if (!self)
         return;
+    release_memory(self);
     if (self->map_size > 0)
         (void)unlink(self->path);
-    spool_abandon(self);
+    release(self);
 }
 
 bool spool_push(spool *self, const void *record)
@@ -290,17 +286,17 @@ void spool_lane_read(const spool *self, uint32_t lane, uint32_t index, void *out
 static void *map_old_file(const char *path, size_t *out_size)
 {
     struct stat status;
-    void *map = MAP_FAILED;
-    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    void *map = NULL;
+    int fd = os_open(path, OS_READ_NO_LINK);
     if (fd < 0)
         return NULL;
-    if (fstat(fd, &status) == 0 && S_ISREG(status.st_mode) && status.st_uid == geteuid() &&
-        (status.st_mode & 077) == 0 && status.st_size > RECORDS_AT) {
+    if (fstat(fd, &status) == 0 && S_ISREG(status.st_mode) && os_is_private(&status) &&
+        status.st_size > RECORDS_AT) {
         *out_size = (size_t)status.st_size;
-        map = mmap(NULL, *out_size, PROT_READ, MAP_PRIVATE, fd, 0);
+        map = os_map_read(fd, *out_size);
     }
     close(fd);
-    return map == MAP_FAILED ? NULL : map;
+    return map;
 }
 
 /* Checks that the values of the head are possible. */
@@ -312,13 +308,13 @@ static bool has_shape(const head *h, const spool_shape *shape)
            (h->lane_record_count & (h->lane_record_count - 1)) == 0;
 }
 
-static bool is_of(const head *h, size_t size, const struct stat *of, const spool_shape *shape)
+static bool is_of(const head *h, size_t size, const os_file_id *of, const spool_shape *shape)
 {
-    return h->magic == magic && h->device == (uint64_t)of->st_dev &&
-           h->inode == (uint64_t)of->st_ino && size == size_of(shape);
+    return h->magic == magic && h->device == of->device && h->inode == of->number &&
+           size == size_of(shape);
 }
 
-spool *spool_find(const struct stat *of, const spool_shape *shape, int64_t *out_context)
+spool *spool_find(const os_file_id *of, const spool_shape *shape, int64_t *out_context)
 {
     spool *self = calloc(1, sizeof *self);
     if (!self)
@@ -365,17 +361,17 @@ static bool is_in_folder(const char *show_path, uint64_t inode)
 static bool is_deleted(const head *of)
 {
     char path[PATH_MAX];
-    struct stat status;
+    os_file_id there;
     (void)snprintf(path, sizeof path, "%.*s", PATH_MAX - 1, of->show_path);
     if (path[0] != '/' || is_in_folder(path, of->inode))
         return false;
-    while (stat(path, &status) != 0) {
+    while (!os_id_of_path(path, &there)) {
         char *slash = strrchr(path, '/');
         if ((errno != ENOENT && errno != ENOTDIR) || !slash)
             return false;
         slash[slash == path] = '\0';
     }
-    return (uint64_t)status.st_dev == of->device;
+    return there.device == of->device;
 }
 
 /* Returns true if all its records are in the show. */
@@ -391,16 +387,14 @@ static void remove_one(const char *path, int64_t now_s)
 {
     head of;
     struct stat status;
-    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    const int fd = os_open(path, OS_READ_NO_LINK);
     if (fd < 0)
         return;
-    if (fstat(fd, &status) == 0 && S_ISREG(status.st_mode) && status.st_uid == geteuid() &&
-        flock(fd, LOCK_EX | LOCK_NB) == 0 && pread(fd, &of, sizeof of, 0) == (ssize_t)sizeof of &&
+    if (fstat(fd, &status) == 0 && S_ISREG(status.st_mode) && os_is_mine(&status) &&
+        os_lock(fd) == OS_LOCK_HELD && os_read_at(fd, &of, sizeof of, 0) == (ssize_t)sizeof of &&
         of.magic == magic && memchr(of.show_path, 0, sizeof of.show_path)) {
         const bool is_old = now_s - atomic_load(&of.used_s) > KEPT_S;
-        struct stat there;
-        if ((is_settled(&of) || (is_old && is_deleted(&of))) && lstat(path, &there) == 0 &&
-            there.st_ino == status.st_ino)
+        if ((is_settled(&of) || (is_old && is_deleted(&of))) && os_is_at(fd, path))
             (void)unlink(path);
     }
     close(fd);
@@ -410,14 +404,14 @@ void spool_remove_abandoned(int64_t now_s)
 {
     char begin[PATH_BYTES], path[PATH_BYTES];
     begin_name(begin);
-    DIR *list = opendir(folder);
+    DIR *list = opendir(os_memory_folder());
     if (!list)
         return;
     for (struct dirent *e; (e = readdir(list));) {
         const size_t length = strlen(e->d_name);
         if (length > sizeof ending && strncmp(e->d_name, begin, strlen(begin)) == 0 &&
             strcmp(e->d_name + length - (sizeof ending - 1), ending) == 0 &&
-            snprintf(path, sizeof path, "%s%s", folder, e->d_name) < (int)sizeof path)
+            snprintf(path, sizeof path, "%s%s", os_memory_folder(), e->d_name) < (int)sizeof path)
             remove_one(path, now_s);
     }
     closedir(list);

@@ -7,8 +7,7 @@
 #ifndef MAROTTE_TAKE_SPOOL_H
 #define MAROTTE_TAKE_SPOOL_H
 #include "base/error.h"
-
-#include <sys/stat.h>
+#include "base/os.h"
 
 typedef struct spool spool;
 
@@ -21,7 +20,7 @@ enum { SPOOL_LANES = 16 };
 /* Creates the spool of the show file at this path. A show has one spool at a time, since it has one
  * writer. `context` is stored with the records. NULL: no memory. Also removes the spools of other
  * shows: spool_remove_abandoned. */
-spool *spool_create(const struct stat *of, const char *path, const spool_shape *shape,
+spool *spool_create(const os_file_id *of, const char *path, const spool_shape *shape,
                     int64_t context);
 void spool_destroy(
     spool *self); /* removes its file too; all records are committed, or reported as lost */
@@ -61,7 +60,7 @@ void spool_lane_read(const spool *self, uint32_t lane, uint32_t index, void *out
 /* Finds the spool that a program left for the show because it was killed or could not write. NULL:
  * there is no usable one. The counts in `shape` are ignored. Uncommitted records are popped in
  * order. spool_destroy removes the file; spool_abandon keeps it for the next program. */
-spool *spool_find(const struct stat *of, const spool_shape *shape, int64_t *out_context);
+spool *spool_find(const os_file_id *of, const spool_shape *shape, int64_t *out_context);
 void spool_abandon(spool *self);
 
 /* Removes the user's spools that no program uses and none will need. Either all their records are

@@ -1,5 +1,6 @@
 #include "show/sqlite.h"
 
+#include "base/os.h"
 #include "base/budget.h"
 #include "base/cancel.h"
 #include "base/file.h"
@@ -165,7 +166,7 @@ static bool is_own(const guard *self, const char *path, bool is_itself_too)
 static bool may_be_opened(const char *path)
 {
     struct stat status;
-    return lstat(path, &status) != 0 || S_ISREG(status.st_mode);
+    return os_stat_link(path, &status) != 0 || S_ISREG(status.st_mode);
 }
 
 /* Checks that the file is a show before any file beside it is opened. */
@@ -431,7 +432,7 @@ static bool is_there(const char *path, const char *suffix, struct stat *out)
 {
     char beside[PATH_MAX];
     const int length = snprintf(beside, sizeof beside, "%s%s", path, suffix);
-    return length < (int)sizeof beside && lstat(beside, out) == 0;
+    return length < (int)sizeof beside && os_stat_link(beside, out) == 0;
 }
 
 static int open_handle(sqlite *self, sqlite_mode mode)

@@ -39,7 +39,7 @@ static off_t log_size(writer_sync *self)
 {
     struct stat status;
     if (self->log_fd < 0)
-        self->log_fd = open(self->log_path, O_RDONLY | O_CLOEXEC);
+        self->log_fd = os_open(self->log_path, OS_READ);
     return self->log_fd >= 0 && fstat(self->log_fd, &status) == 0 ? status.st_size : 0;
 }
 
@@ -48,7 +48,7 @@ static void bring_to_disk(writer_sync *self)
 {
     off_t size = log_size(self);
     if (size > 0)
-        (void)fdatasync(self->log_fd);
+        (void)os_sync(self->log_fd);
     if (size > LOG_BYTES_LONG && sqlite_checkpoint(self->db, NULL) < 0)
         return;
 }
@@ -789,9 +789,8 @@ static void *run(void *data)
 
 static mrt_result begin_session(show *s, const writer_options *options, int64_t *out_id, error *err)
 {
-    char host[128] = "";
-    if (gethostname(host, sizeof host - 1) != 0)
-        host[0] = '\0';
+    char host[128];
+    os_host_name(host, sizeof host);
     mrt_result result =
         sqlite_change(s->db, err,
                       "INSERT INTO session(utc_ns, monotonic_ns, program, host, process)"
@@ -804,8 +803,8 @@ static mrt_result begin_session(show *s, const writer_options *options, int64_t 
 
 static mrt_result allocate(writer *self, const writer_options *options, error *err)
 {
-    struct stat of = {.st_dev = self->of->device, .st_ino = self->of->inode};
-    self->ring = spool_create(&of, self->of->path, &writer_spool_shape, self->to_show_ns);
+    self->ring =
+        spool_create(&self->of->file, self->of->path, &writer_spool_shape, self->to_show_ns);
     bool good = self->ring != NULL;
     self->lent = malloc(WRITER_WAITING_MAX * sizeof *self->lent);
     self->room = malloc(WRITER_WAITING_TEXTS_MAX * sizeof *self->room);

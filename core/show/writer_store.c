@@ -797,8 +797,7 @@ mrt_result writer_leftover_commit(show *s, error *err)
 {
     bool is_ours;
     int64_t to_show_ns;
-    struct stat of = {.st_dev = s->device, .st_ino = s->inode};
-    spool *left = spool_find(&of, &writer_spool_shape, &to_show_ns);
+    spool *left = spool_find(&s->file, &writer_spool_shape, &to_show_ns);
     if (!left)
         return MRT_OK;
     mrt_result result = check_session(s, to_show_ns, &is_ours, err);

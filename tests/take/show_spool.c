@@ -103,14 +103,14 @@ static void what_had_arrived_and_was_not_performed_is_added_once(void **state)
 static void a_lane_keeps_the_newest(void **state)
 {
     scene *at = *state;
-    struct stat of;
+    os_file_id of;
     int64_t context;
     uint32_t record;
     const spool_shape shape = {.record_size = sizeof record,
                                .record_count = 8,
                                .lane_record_size = sizeof record,
                                .lane_record_count = 8};
-    assert_int_equal(stat(at->folder, &of), 0);
+    assert_true(os_id_of_path(at->folder, &of));
     spool *made = spool_create(&of, at->path, &shape, 5);
     assert_non_null(made);
     for (uint32_t i = 0; i < 100; ++i)
@@ -148,9 +148,9 @@ static void a_spool_of_another_session_is_left_out(void **state)
     scene_give(&r, 0, 10);
     scene_stop(&r);
     show_close(s);
-    struct stat of;
+    os_file_id of;
     int64_t context;
-    assert_int_equal(stat(at->path, &of), 0);
+    assert_true(os_id_of_path(at->path, &of));
     spool_shape shape = writer_spool_shape;
     shape.record_count = 8;
     spool *stranger = spool_create(&of, at->path, &shape, 12345);
@@ -168,12 +168,12 @@ static void a_spool_of_another_session_is_left_out(void **state)
 static void a_ring_gives_what_it_took_in_order(void **state)
 {
     scene *at = *state;
-    struct stat of;
+    os_file_id of;
     uint32_t record, count = 0;
     int64_t context = 0;
     const spool_shape shape = {.record_size = sizeof record, .record_count = 8};
     const spool_shape other = {.record_size = sizeof record + 4, .record_count = 8};
-    assert_int_equal(stat(at->folder, &of), 0);
+    assert_true(os_id_of_path(at->folder, &of));
     spool *ring = spool_create(&of, at->path, &shape, 77);
     assert_non_null(ring);
     for (uint32_t i = 0; i < 8; ++i)
@@ -206,7 +206,7 @@ static void a_ring_gives_what_it_took_in_order(void **state)
 
 static const spool_shape small = {.record_size = sizeof(uint32_t), .record_count = 8};
 
-static bool is_kept(const struct stat *of)
+static bool is_kept(const os_file_id *of)
 {
     int64_t context;
     spool *found = spool_find(of, &small, &context);
@@ -215,7 +215,7 @@ static bool is_kept(const struct stat *of)
 }
 
 /* A killed program's: it keeps nothing open. */
-static void leave_spool(const scene *at, const struct stat *of, bool is_settled)
+static void leave_spool(const scene *at, const os_file_id *of, bool is_settled)
 {
     const pid_t child = fork();
     if (child == 0) {
@@ -235,13 +235,13 @@ static void leave_spool(const scene *at, const struct stat *of, bool is_settled)
 static void what_nobody_will_ask_for_is_removed(void **state)
 {
     scene *at = *state;
-    struct stat of;
+    os_file_id of;
     char renamed[SCENE_PATH + 8];
     const int64_t now_s = (int64_t)time(NULL), later_s = now_s + 2 * 3600;
     if (access("/dev/shm", W_OK) != 0)
         skip();
     show_close(scene_create(at));
-    assert_int_equal(stat(at->path, &of), 0);
+    assert_true(os_id_of_path(at->path, &of));
     (void)snprintf(renamed, sizeof renamed, "%s.renamed", at->path);
     leave_spool(at, &of, true); /* nothing waits in it */
     assert_true(is_kept(&of));
@@ -266,7 +266,7 @@ static void what_nobody_will_ask_for_is_removed(void **state)
     assert_true(is_kept(&of)); /* of a show that was never at a path */
     spool_destroy(spool_find(&of, &small, &(int64_t){0}));
     FILE *again = fopen(at->path, "wb");
-    assert_true(again && fclose(again) == 0 && stat(at->path, &of) == 0);
+    assert_true(again && fclose(again) == 0 && os_id_of_path(at->path, &of));
     leave_spool(at, &of, false);
     char command[SCENE_PATH];
     (void)snprintf(command, sizeof command, "rm -r '%s'", at->folder);

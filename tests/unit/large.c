@@ -19,7 +19,7 @@ static void every_size_is_aligned_and_writable(void **state)
         assert_non_null(array);
         assert_int_equal((uintptr_t)array % LARGE_ALIGNMENT, 0);
         memset(array, 1, sizes[i]);
-        free(array);
+        large_free(array);
     }
 }
 

@@ -143,9 +143,9 @@ mrt_result bench_roof_create(bench_roof *out, size_t bytes, error *err)
 
 void bench_roof_destroy(bench_roof *self)
 {
-    free(self->from);
-    free(self->to);
-    free(self->other);
+    large_free(self->from);
+    large_free(self->to);
+    large_free(self->other);
     *self = (bench_roof){0};
 }
 

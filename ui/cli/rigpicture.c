@@ -419,6 +419,12 @@ rigportraits_frame rigportraits_frame_empty(rigpicture_view view)
                                 .depth = {INFINITY, -INFINITY}};
 }
 
+/* gcc 12 for arm64 fails (an internal error) where it vectorises fmin and fmax in such loops. */
+static double greater(double a, double b)
+{
+    return b > a ? b : a;
+}
+
 /* A point is inside the right edge of a view at distance d if right <= slope (d - depth). So the
  * greatest value of right + slope depth is stored. The other edges are computed the same way. */
 void rigportraits_frame_add(rigportraits_frame *self, const float *position, uint32_t vertex_count)
@@ -430,11 +436,11 @@ void rigportraits_frame_add(rigportraits_frame *self, const float *position, uin
         double depth = vec3_dot(at, axes.axis[2]);
         for (int i = 0; i < 2; ++i) {
             double along = vec3_dot(at, axes.axis[i]), nearer = self->slope[i] * depth;
-            self->reach[2 * i] = fmax(self->reach[2 * i], nearer + along);
-            self->reach[2 * i + 1] = fmax(self->reach[2 * i + 1], nearer - along);
+            self->reach[2 * i] = greater(self->reach[2 * i], nearer + along);
+            self->reach[2 * i + 1] = greater(self->reach[2 * i + 1], nearer - along);
         }
-        self->depth[0] = fmin(self->depth[0], depth);
-        self->depth[1] = fmax(self->depth[1], depth);
+        self->depth[0] = -greater(-self->depth[0], -depth);
+        self->depth[1] = greater(self->depth[1], depth);
     }
 }
 

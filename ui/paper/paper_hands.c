@@ -127,13 +127,21 @@ static size_t corner_of(const grid *g, uint32_t x, uint32_t y, uint32_t z)
     return ((size_t)z * g->count[1] + y) * g->count[0] + x;
 }
 
+/* gcc 12 for arm64 fails (an internal error) where it vectorises fmin and fmax of these. */
+static void widen(double *low, double *high, double at)
+{
+    *low = at < *low ? at : *low;
+    *high = at > *high ? at : *high;
+}
+
 static bool fill_grid(grid *g, const flesh *f)
 {
     vec3 low = wide(f->joint[0]), high = low;
     for (int i = 1; i < MRT_JOINTS; ++i) {
         vec3 at = wide(f->joint[i]);
-        low = (vec3){fmin(low.x, at.x), fmin(low.y, at.y), fmin(low.z, at.z)};
-        high = (vec3){fmax(high.x, at.x), fmax(high.y, at.y), fmax(high.z, at.z)};
+        widen(&low.x, &high.x, at.x);
+        widen(&low.y, &high.y, at.y);
+        widen(&low.z, &high.z, at.z);
     }
     const double room = 24.0 + air_mm;
     g->low = (vec3){low.x - room, low.y - room, low.z - 24.0}; /* the forearm is cut off here */

@@ -1,11 +1,11 @@
 #include "face/frame/frame.h"
+#include "base/large.h"
 #include "mesh/position.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { ALIGNMENT = 64 };
 static const float weight_least = 1e-6f; /* smaller weights have no visible effect */
 
 static mrt_result check_binding(const binding *b, const rig *r, const mesh *m, error *err)
@@ -115,7 +115,7 @@ static mrt_result create_points(face *f, const mesh *m, error *err)
 
 static float *create_stream(const face *f)
 {
-    return aligned_alloc(ALIGNMENT, ((size_t)f->rest.padded_count + ALIGNMENT) * sizeof(float));
+    return large_alloc(((size_t)f->rest.padded_count + LARGE_ALIGNMENT) * sizeof(float));
 }
 
 /* Converts a row from the file's order to the engine's. Slots beyond the count repeat the last
@@ -376,8 +376,8 @@ void face_destroy(face *f)
         points_destroy(all[i]);
     for (uint32_t bone = 0; bone < RIG_BONES_MAX; ++bone) {
         csrbf_solver_destroy(f->field[bone].solver);
-        free(f->field[bone].weight);
-        free(f->field[bone].pull);
+        large_free(f->field[bone].weight);
+        large_free(f->field[bone].pull);
     }
     binding_destroy(&f->binding);
     projection_destroy(&f->projection);
@@ -386,7 +386,7 @@ void face_destroy(face *f)
     points_order_destroy(&f->order);
     columns_destroy(&f->columns);
     face_lips_destroy(f);
-    free(f->mobility);
+    large_free(f->mobility);
     surface_meter_destroy(f->surface_meter);
     arrays_free(&f->arrays);
     free(f);

@@ -400,7 +400,8 @@ projection_report projection_reported(const projection *p)
 {
     projection_report report = {0};
     for (uint32_t i = 0; i < p->block_count; ++i) {
-        report.depth_mm = fmax(report.depth_mm, p->done[i].depth_mm);
+        if (p->done[i].depth_mm > report.depth_mm) /* with fmax, gcc 12 fails here for arm64 */
+            report.depth_mm = p->done[i].depth_mm;
         report.moved_count += p->done[i].moved_count;
     }
     return report;

@@ -1,5 +1,6 @@
 #include "face/rig/rig_document.h"
 
+#include "base/os.h"
 #include "base/file.h"
 #include "base/json.h"
 #include "base/text.h"
@@ -268,7 +269,7 @@ static bool is_read(const rig_document *d, const char *real_path)
 
 static mrt_result load_file(loading *l, const char *path, const char *shown, error *err)
 {
-    char *real_path = realpath(path, NULL);
+    char *real_path = os_real_path(path);
     const char *known_as = real_path ? real_path : path;
     mrt_result result = check_chain(l, known_as, err);
     if (result >= 0 && !is_read(l->document, known_as)) {

@@ -1,5 +1,6 @@
 #include "face/rig_draft.h"
 
+#include "base/text.h"
 #include "face/rig/rig_anatomy.h"
 #include "face/rig/rig_document.h"
 #include "face/rig/rig_rims.h"
@@ -1175,7 +1176,7 @@ static mrt_result parse_draft(rig *out, const json_t *document, const char *mesh
     free(out->name);
     free(out->mesh_path);
     size_t length = strcspn(mesh_name, ".");
-    out->name = strndup(mesh_name, length < RIG_NAME_MAX ? length : RIG_NAME_MAX);
+    out->name = text_duplicate(mesh_name, length < RIG_NAME_MAX ? length : RIG_NAME_MAX);
     out->mesh_path = strdup(mesh_path);
     if (out->name && out->mesh_path)
         return MRT_OK;

@@ -1,5 +1,6 @@
 #include "face/rig/rig_fields.h"
 
+#include "base/os.h"
 #include "base/file.h"
 
 #include <stdio.h>
@@ -148,7 +149,7 @@ enum { DUMP_FLAGS = JSON_ENCODE_ANY | JSON_REAL_PRECISION(15) };
 static char *real_directory(const char *path)
 {
     char *directory = file_directory(path);
-    char *real = directory ? realpath(directory[0] ? directory : ".", NULL) : NULL;
+    char *real = directory ? os_real_path(directory[0] ? directory : ".") : NULL;
     free(directory);
     if (!real)
         return NULL;

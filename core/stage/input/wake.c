@@ -1,12 +1,6 @@
 #include "stage/input/wake.h"
 #include "base/clock.h"
-
-#include <linux/futex.h>
-#include <sys/syscall.h>
-#include <time.h>
-#include <unistd.h>
-
-_Static_assert(sizeof(_Atomic uint32_t) == sizeof(uint32_t), "a futex is a plain 32-bit word");
+#include "base/os.h"
 
 void wake_init(wake *self)
 {
@@ -20,7 +14,7 @@ void wake_signal(wake *self)
 {
     atomic_fetch_add(&self->generation, 1);
     if (atomic_load(&self->waiting))
-        syscall(SYS_futex, &self->generation, FUTEX_WAKE_PRIVATE, 1, NULL, NULL, 0);
+        os_wake_word(&self->generation);
 }
 
 uint32_t wake_seen(const wake *self)
@@ -32,11 +26,8 @@ void wake_wait_until_ns(wake *self, uint32_t seen, int64_t time_ns)
 {
     if (time_ns <= 0)
         return;
-    struct timespec until = {.tv_sec = (time_t)(time_ns / NS_PER_S),
-                             .tv_nsec = (long)(time_ns % NS_PER_S)};
     atomic_store(&self->waiting, 1);
     while (atomic_load(&self->generation) == seen && clock_now_ns() < time_ns)
-        syscall(SYS_futex, &self->generation, FUTEX_WAIT_BITSET_PRIVATE, seen, &until, NULL,
-                FUTEX_BITSET_MATCH_ANY);
+        os_wait_word(&self->generation, seen, time_ns);
     atomic_store(&self->waiting, 0);
 }

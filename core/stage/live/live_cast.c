@@ -1,4 +1,5 @@
 #include "stage/live/live_stage.h"
+#include "base/text.h"
 #include "base/clock.h"
 #include "base/hash.h"
 #include "stage/mapping/null_mapping.h"
@@ -28,7 +29,7 @@ static mrt_result find_type(live_mapping_role *self, const plugin_list *plugins,
     *out = &null_mapping_type;
     if (length == 0)
         return MRT_OK;
-    char *name = strndup(self->text, length);
+    char *name = text_duplicate(self->text, length);
     if (!name)
         return error_set(err, MRT_ERR_MEMORY, "no memory for a mapping");
     mrt_result result = plugin_list_find(plugins, name, MRT_MAPPING, out, err);

@@ -663,7 +663,7 @@ mrt_result plugin_list_choose_spec(plugin_list *list, const char *spec, const ch
     const mrt_plugin_type *type;
     const size_t length = strcspn(spec, ":,");
     *out_spec = NULL;
-    char *words = strndup(spec, length);
+    char *words = text_duplicate(spec, length);
     if (!words)
         return no_memory(err);
     const bool is_library = is_path(words);
@@ -698,8 +698,8 @@ bool plugin_spec_read(plugin_spec *out, const char *text)
     const char *params = *rest == ':' ? address + address_length : rest;
     if (*params == ',')
         params += 1;
-    out->plugin = strndup(text, plugin_length);
-    out->address = strndup(address, address_length);
+    out->plugin = text_duplicate(text, plugin_length);
+    out->address = text_duplicate(address, address_length);
     out->params = strdup(params);
     return out->plugin && out->address && out->params && plugin_length > 0;
 }
