@@ -19,7 +19,7 @@ setup_optional_packages=(fonts-inter libfontconfig1-dev libpocketsphinx-dev pock
 setup_test_packages=(libcmocka-dev ruby-mdl sqlite3 libumockdev-dev umockdev liblo-tools clang-format-14 nodejs
     libespeak-ng-dev espeak-ng-data xvfb xdotool openbox wmctrl x11-utils picom fonts-droid-fallback fonts-lohit-deva ffmpeg pipewire pipewire-bin dbus-daemon)
 # For ./run package: debian/control names them, too.
-setup_package_packages=(debhelper dpkg-dev librsvg2-bin libcmocka-dev fakeroot xz-utils)
+setup_package_packages=(debhelper dpkg-dev librsvg2-bin libcmocka-dev pandoc fakeroot xz-utils)
 # For ./test --long: the fuzz targets, clang-tidy, the guide of plugins in a debugger.
 setup_long_packages=(pandoc clang libclang-rt-14-dev clang-tidy-14 gdb)
 
