@@ -5,6 +5,7 @@
 #include "window/docks.h"
 #include "window/gui/theme.h"
 #include "window/help.h"
+#include "window/menus.h"
 #include "window/offers.h"
 #include "window/panels/hand.h"
 #include "window/streams.h"
@@ -46,6 +47,7 @@ struct workspace {
     dialogs dialogs;
     bool is_offered; /* what an empty stage offers was answered */
     help help;
+    menus menus;
 
     int32_t news_level; /* of the line that is shown */
     char news[1200];
@@ -390,10 +392,10 @@ static void name_of(const char *path, char *out, size_t capacity)
     }
 }
 
-static void put_name(pen *p, float y, float width, ui_style style, uint32_t ink, const char *name,
-                     const char *path, open_kind kind)
+static void put_name(pen *p, float x, float y, float width, ui_style style, uint32_t ink,
+                     const char *name, const char *path, open_kind kind)
 {
-    const ui_rectangle box = {p->where.x + 6.0f, y - 2.0f, width, 21.0f};
+    const ui_rectangle box = {x, y - 2.0f, width, 21.0f};
     if (is_over(p, box)) {
         ui_draw_box(p->on, box, THEME_RAISED, 4.0f);
         ui_set_cursor(p->on, UI_CURSOR_HAND);
@@ -408,7 +410,7 @@ static void put_name(pen *p, float y, float width, ui_style style, uint32_t ink,
         dialogs_ask_open(&p->workspace->dialogs, kind);
 }
 
-static void put_names(pen *p, float width)
+static void put_names(pen *p, float x, float width)
 {
     app *of = p->workspace->app;
     char name[256], words[320];
@@ -418,14 +420,23 @@ static void put_names(pen *p, float width)
         name_of(show_path(s), name, sizeof name);
     (void)snprintf(words, sizeof words, "%s%s", s ? name : "No show. Recording is off",
                    s && !show_is_writable(s) ? " (read only)" : "");
-    put_name(p, top, width, UI_STYLE_STRONG, s && show_is_writable(s) ? THEME_TEXT : THEME_WARNING,
-             words, s ? show_path(s) : "No show is open.", OPEN_SHOW);
+    put_name(p, x, top, width, UI_STYLE_STRONG,
+             s && show_is_writable(s) ? THEME_TEXT : THEME_WARNING, words,
+             s ? show_path(s) : "No show is open.", OPEN_SHOW);
     name_of(app_face_path(of), name, sizeof name);
     (void)snprintf(words, sizeof words, "%s%s", name, app_unsaved_now(of) ? " \u2022" : "");
-    put_name(p, top + line, width, UI_STYLE_BODY, THEME_DIM, words, app_face_path(of), OPEN_FACE);
+    put_name(p, x, top + line, width, UI_STYLE_BODY, THEME_DIM, words, app_face_path(of),
+             OPEN_FACE);
 }
 
 /* ---- middle: recording and where one is ---- */
+
+static void sign_menu(ui *on, float x, float y, uint32_t ink)
+{
+    for (int i = -1; i <= 1; ++i)
+        ui_draw_box(on, (ui_rectangle){x - 8.0f, y + 6.0f * (float)i - 1.0f, 16.0f, 2.0f}, ink,
+                    1.0f);
+}
 
 static void sign_record(ui *on, float x, float y, uint32_t ink)
 {
@@ -574,6 +585,11 @@ static float put_state(pen *p, float x)
     return x + room;
 }
 
+static ui_rectangle record_box(const pen *p, float x)
+{
+    return (ui_rectangle){x, p->where.y + 0.5f * (p->where.height - ICON), ICON, ICON};
+}
+
 /* Returns its right end. */
 static float put_middle(pen *p, float x)
 {
@@ -584,8 +600,8 @@ static float put_middle(pen *p, float x)
     const bool is_playing = app_view(of)->mode != LIVE_PERFORMS && move->is_playing &&
                             !live_position(stage).has_stopped;
     const float y = p->where.y + 0.5f * (p->where.height - ICON);
-    put_sign(p, (ui_rectangle){x, y, ICON, ICON}, ACTION_RECORD,
-             is_recording ? sign_recording : sign_record, is_recording);
+    put_sign(p, record_box(p, x), ACTION_RECORD, is_recording ? sign_recording : sign_record,
+             is_recording);
     x = put_state(p, x + ICON + GAP);
     if (app_looks_of(of)->layouts.now.has_timeline || p->where.width < 1100.0f)
         return x;
@@ -694,12 +710,18 @@ static void bar_draw(workspace *self, ui_rectangle where)
     ui_draw_box(self->ui, where, THEME_BAR, 0.0f);
     ui_draw_box(self->ui, (ui_rectangle){where.x, where.y + where.height - 1.0f, where.width, 1.0f},
                 THEME_RULE, 0.0f);
+    const ui_rectangle menu = {where.x + 6.0f, where.y + 0.5f * (where.height - ICON), ICON, ICON};
     const float names = where.width * 0.2f < 260.0f ? where.width * 0.2f : 260.0f;
-    put_names(&p, names);
-    put_right(&p, put_middle(&p, where.x + names + 30.0f));
+    const float left = menu.x + menu.width, middle = left + names + GAP;
+    put_sign(&p, menu, ACTION_MENU, sign_menu, false);
+    put_names(&p, left, names);
+    put_right(&p, put_middle(&p, middle));
     ui_canvas_end(self->ui);
     ui_hint(self->ui, p.hint);
+    if (p.canvas.is_pressed && p.canvas.button == 1 && is_over(&p, record_box(&p, middle)))
+        record_menu_open(self->ui, middle, where.y + where.height);
     record_menu_draw(self->app, self->ui);
+    menus_draw_menu(&self->menus, menu.x, where.y + where.height);
     ui_panel_end(self->ui);
 }
 
@@ -733,6 +755,7 @@ static mrt_result create_parts(workspace *self, error *err)
     if (result < 0)
         return result;
     dialogs_init(&self->dialogs, self->app, self->ui);
+    menus_init(&self->menus, self->app, self->ui, &self->dialogs);
     self->viewport = viewport_create(self->app, err);
     if (!self->viewport)
         return MRT_ERR_UNSUPPORTED;
@@ -856,6 +879,7 @@ static void draw_panels(workspace *self, const workspace_layout *on)
                   (ui_rectangle){0.0f, 0.0f, self->screen.width, self->screen.height},
                   self->screen.scale / window_scale(self->window));
     dialogs_draw(&self->dialogs);
+    menus_draw(&self->menus);
     record_menu_tempo(self->app, self->ui);
 }
 

@@ -67,7 +67,7 @@ typedef enum action {
     ACTION_HEAT_NEXT,          /* W: no heat map, weights, mobility, strain, penetration */
     ACTION_OUTPUT,             /* F11: the face alone on the second monitor */
     ACTION_OUTPUT_MIRROR,      /* Shift+F11 */
-    ACTION_FACE_ONLY,          /* Tab: panels away */
+    ACTION_FACE_ONLY,          /* B: panels away */
     /* program */
     ACTION_PANEL_DEVICES,  /* F2 */
     ACTION_PANEL_MAPPING,  /* F3 */
@@ -92,11 +92,16 @@ typedef enum action {
     ACTION_TIMELINE_FIT,   /* Shift+Z */
     ACTION_SNAP,           /* Shift+S: drags on the timeline snap, or not */
     ACTION_RIPPLE,         /* Shift+R: what follows moves with edits of clips, or stays */
+    ACTION_NEW,            /* Ctrl+N: a new show */
     ACTION_OPEN,           /* Ctrl+O: a show or a face */
     ACTION_SAVE,           /* Ctrl+S: the rig */
     ACTION_SAVE_AS,        /* Ctrl+Shift+S: the show or the rig, under another name */
-    ACTION_HELP,           /* ? */
-    ACTION_QUIT,           /* Ctrl+Q */
+    ACTION_MENU,           /* F10 */
+    ACTION_PALETTE,        /* Ctrl+Shift+P: finds an action by its name */
+    ACTION_GUIDES,         /* F1 */
+    ACTION_ABOUT,
+    ACTION_HELP, /* ? */
+    ACTION_QUIT, /* Ctrl+Q */
     ACTION_COUNT
 } action;
 

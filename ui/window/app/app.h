@@ -89,6 +89,8 @@ mrt_result app_report(app *self, mrt_result result, const error *err);
 /* ---- the show, and what is kept with it: how the surface is solved, the scene ---- */
 
 CHECKED mrt_result app_open_show(app *self, const char *path);
+/* Opens a new show in the folder for shows, named by today's date: 2026-11-28-2.marotte. */
+CHECKED mrt_result app_new_show(app *self);
 /* Copies the show to a new name, and opens the copy when it is complete. A message reports it. */
 CHECKED mrt_result app_save_show_as(app *self, const char *path, error *err);
 

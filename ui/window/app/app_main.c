@@ -943,6 +943,8 @@ static void do_look(app *self, action of)
         looks->is_face_only = false;
     } else if (of >= ACTION_PANEL_LEFT && of <= ACTION_LAYOUT_KEEP) {
         arrange(self, of);
+    } else if (of == ACTION_NEW) {
+        app_reported(app_new_show(self));
     } else if (of == ACTION_QUIT) {
         self->wants_to_quit = true;
     } else {

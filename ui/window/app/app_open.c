@@ -228,17 +228,28 @@ static mrt_result open_or_make(show **out, const char *path, error *err)
     return exists(path) ? show_open(out, path, SHOW_RECORD, err) : show_create(out, path, err);
 }
 
-/* A show named by today's date, in the folder for documents. */
-static mrt_result make_show(show **out, error *err)
+/* Writes a path in the folder for shows, named by today's date; number 2: "2026-11-28-2.marotte".
+ * Creates the folder. */
+static mrt_result today_path(char *out, size_t capacity, uint32_t number, error *err)
 {
-    char path[APP_PATH], name[32];
+    char day[24], name[48];
     struct tm now;
     const time_t seconds = time(NULL);
-    if (!localtime_r(&seconds, &now) || strftime(name, sizeof name, "%Y-%m-%d.marotte", &now) == 0)
-        (void)snprintf(name, sizeof name, "show.marotte");
-    mrt_result result = file_home_path(path, sizeof path, FILE_HOME_DOCUMENTS, name, err);
-    if (result >= 0)
-        result = file_make_parent(path, err);
+    if (!localtime_r(&seconds, &now) || strftime(day, sizeof day, "%Y-%m-%d", &now) == 0)
+        (void)snprintf(day, sizeof day, "show");
+    if (number > 1)
+        (void)snprintf(name, sizeof name, "%s-%u.marotte", day, number);
+    else
+        (void)snprintf(name, sizeof name, "%s.marotte", day);
+    const mrt_result result = file_home_path(out, capacity, FILE_HOME_DOCUMENTS, name, err);
+    return result < 0 ? result : file_make_parent(out, err);
+}
+
+/* Today's show. */
+static mrt_result make_show(show **out, error *err)
+{
+    char path[APP_PATH];
+    const mrt_result result = today_path(path, sizeof path, 1, err);
     return result < 0 ? result : open_or_make(out, path, err);
 }
 
@@ -325,6 +336,19 @@ mrt_result app_open_show(app *self, const char *path)
     app_say(self, MRT_LOG_INFO, "%s is open", path);
     (void)app_close_show(self, before); /* the log reports the result */
     return MRT_OK;
+}
+
+mrt_result app_new_show(app *self)
+{
+    char path[APP_PATH];
+    error err = {0};
+    for (uint32_t number = 1;; ++number) {
+        const mrt_result result = today_path(path, sizeof path, number, &err);
+        if (result < 0)
+            return app_report(self, result, &err);
+        if (!exists(path))
+            return app_open_show(self, path);
+    }
 }
 
 /* ---- under another name ---- */

@@ -1,4 +1,5 @@
 #include "window/app/camera_page.h"
+#include "window/app/browser.h"
 
 #include "base/file.h"
 #include "base/program.h"
@@ -46,34 +47,11 @@ mrt_result camera_page_address(char out[CAMERA_PAGE_ADDRESS], uint16_t port, err
                : error_set(err, MRT_ERR_FORMAT, "%s: was not written by marotte: remove it", path);
 }
 
-/* xdg-open returns immediately, even if it starts a browser that keeps running; what
- * $MAROTTE_BROWSER names may be the browser itself. */
 mrt_result camera_page_show(uint16_t port, error *err)
 {
     char address[CAMERA_PAGE_ADDRESS];
-    const char *own = getenv("MAROTTE_BROWSER");
-    const char *program = own && own[0] ? own : "xdg-open";
-    mrt_result result = camera_page_address(address, port, err);
-    if (result < 0)
-        return result;
-    pid_t pid = 0;
-    int status = 0;
-    char *const words[] = {program_argument(program), address, NULL};
-    const program_start how = {.program = program,
-                               .words = words,
-                               .in = -1,
-                               .out = -1,
-                               .err = -1,
-                               .signals = PROGRAM_USUAL_SIGNALS};
-    const int failed = program_spawn(&pid, &how);
-    if (failed)
-        return error_set(err, MRT_ERR_IO, "cannot run %s (%s): open %s in a browser", program,
-                         strerror(failed), address);
-    if (program_ends_within(pid, &status, patience_ns) &&
-        !(WIFEXITED(status) && WEXITSTATUS(status) == 0))
-        return error_set(err, MRT_ERR_IO, "%s found no browser. Open %s in a browser", program,
-                         address);
-    return MRT_OK;
+    const mrt_result result = camera_page_address(address, port, err);
+    return result < 0 ? result : browser_show(address, err);
 }
 
 /* Writes the first letters that the program prints. */

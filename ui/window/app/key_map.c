@@ -155,6 +155,8 @@ const char *key_map_refusal(key_chord chord)
         return "Esc closes and cancels";
     if (chord.key == UI_KEY_ENTER)
         return "Enter confirms";
+    if (chord.key == UI_KEY_TAB && (chord.modifiers & ~(uint32_t)UI_SHIFT) == 0)
+        return "Tab goes round the controls";
     if (chord.key == UI_KEY_NONE || chord.key >= UI_KEY_SHIFT)
         return "press a key together with Shift, Ctrl or Alt";
     return NULL;

@@ -9,6 +9,7 @@ extern "C" {
 }
 #define IMGUI_DEFINE_MATH_OPERATORS
 #include "window/gui/ui_damage.hpp"
+#include "window/gui/ui_focus.hpp"
 #include <imgui.h>
 #include <imgui_internal.h>
 #include <backends/imgui_impl_opengl3.h>
@@ -75,6 +76,7 @@ struct ui {
     bool is_answered;            /* in this frame, by Enter */
     bool has_menu;               /* a menu or a drop-down was open as the frame began: Esc is its */
     ImGuiID dialog_wanted;
+    ImVec2 menu_at;   /* pixels; where ui_menu_open opened one */
     float next_width; /* pixels; of the next widget */
     int disabled_depth;
     int dialog_depth;
@@ -82,7 +84,8 @@ struct ui {
     uint32_t command, command_modifiers; /* pressed while a text was typed: of the next frame */
     uint32_t late, late_modifiers;       /* the one of the frame before */
     bool takes_keys;                     /* the next input */
-    ImGuiID hinted;                      /* what the pointer rests on */
+    ui_focus focus;
+    ImGuiID hinted; /* what the pointer rests on */
     double hinted_s;
     ui_grip grip;
     char before[UI_INPUT_MAX]; /* text of the edited field before editing */
@@ -671,7 +674,8 @@ static bool has_keys(const ui *self)
 
 bool ui_pressed(const ui *self, uint32_t key, uint32_t modifiers)
 {
-    if (key >= UI_KEY_COUNT || !has_keys(self) || (key == UI_KEY_ESCAPE && self->has_menu))
+    if (key >= UI_KEY_COUNT || !has_keys(self) || (key == UI_KEY_ESCAPE && self->has_menu) ||
+        (modifiers == 0 && ui_focus_has_key(&self->focus, key)))
         return false;
     if (key == '/' && modifiers == UI_SHIFT && self->input->pressed['?'])
         return true;
@@ -736,10 +740,12 @@ static ui_pressing ui_press_item(ui *self, const char *label, ImVec2 size, ImGui
     out.box = ImRect(at, at + size);
     ImGui::ItemSize(size, ImGui::GetStyle().FramePadding.y);
     out.is_seen = ImGui::ItemAdd(out.box, id);
+    const bool has_ring = ui_focus_add(&self->focus, label, id, out.box, self->disabled_depth > 0);
     if (!out.is_seen)
         note_beyond(self, out.box, label);
     else
         out.is_pressed = ImGui::ButtonBehavior(out.box, id, &out.is_hovered, &out.is_held, flags);
+    out.is_pressed |= has_ring && self->focus.is_pressing;
     return out;
 }
 
@@ -768,7 +774,7 @@ static button_look look_of(const ui *self, ui_emphasis emphasis)
 static bool is_entered(ui *self, ui_emphasis emphasis)
 {
     if (emphasis != UI_ACCENT || self->dialog_depth == 0 || self->disabled_depth > 0 ||
-        self->has_menu || self->types_lines || self->is_answered ||
+        self->has_menu || self->types_lines || self->is_answered || self->focus.is_pressing ||
         ImGui::GetTopMostPopupModal() != ImGui::GetCurrentWindow()->RootWindow ||
         !self->input->pressed[UI_KEY_ENTER] || ui_frame_modifiers(self->input) != 0)
         return false;
@@ -1123,16 +1129,33 @@ static void close_with_escape(const ui *self)
         ImGui::CloseCurrentPopup();
 }
 
-bool ui_menu_begin(ui *self, const char *id)
+static bool enter_menu(ui *self, bool is_open)
 {
-    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ui_px2(self, 6.0f, 6.0f));
-    const bool is_open = ImGui::BeginPopupContextItem(id);
     ImGui::PopStyleVar();
     if (is_open) {
         ui_enter_popup(self);
         close_with_escape(self);
     }
     return is_open;
+}
+
+bool ui_menu_begin(ui *self, const char *id)
+{
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ui_px2(self, 6.0f, 6.0f));
+    return enter_menu(self, ImGui::BeginPopupContextItem(id));
+}
+
+void ui_menu_open(ui *self, const char *id, float x, float y)
+{
+    ImGui::OpenPopup(id);
+    self->menu_at = ui_px2(self, x, y);
+}
+
+bool ui_open_menu_begin(ui *self, const char *id)
+{
+    ImGui::SetNextWindowPos(self->menu_at, ImGuiCond_Appearing);
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ui_px2(self, 6.0f, 6.0f));
+    return enter_menu(self, ImGui::BeginPopup(id, ImGuiWindowFlags_NoMove));
 }
 
 bool ui_menu_item(ui *self, const char *label, const char *keys, bool is_enabled)
@@ -1338,6 +1361,10 @@ bool ui_choice(ui *self, const char *label, float label_width, const char *const
     ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ui_px2(self, 6.0f, 6.0f));
     ImGui::PushStyleColor(ImGuiCol_FrameBg, 0u);
     ImGui::PushStyleColor(ImGuiCol_FrameBgHovered, ui_ink(self, THEME_RAISED));
+    const ImGuiID id = ImGui::GetID("##choice");
+    const bool has_ring = ui_focus_add(&self->focus, label, id, box, self->disabled_depth > 0);
+    if (has_ring && self->focus.is_pressing)
+        ImGui::OpenPopupEx(ImHashStr("##ComboPopup", 0, id)); /* as BeginCombo calls it */
     const bool is_open = ImGui::BeginCombo(
         "##choice", "", ImGuiComboFlags_NoArrowButton | ImGuiComboFlags_HeightLarge);
     ImGui::PopStyleColor(2);
@@ -1347,6 +1374,8 @@ bool ui_choice(ui *self, const char *label, float label_width, const char *const
         close_with_escape(self);
         for (uint32_t i = 0; i < count; ++i) {
             ImGui::PushID(static_cast<int>(i));
+            if (i == *index && ImGui::IsWindowAppearing() && has_ring)
+                ui_focus_claim(&self->focus);
             if (ui_row(self, items[i], i == *index) != UI_ROW_NONE) {
                 has_changed = i != *index;
                 *index = i;
@@ -1356,6 +1385,12 @@ bool ui_choice(ui *self, const char *label, float label_width, const char *const
         }
         ui_leave_popup(self);
         ImGui::EndCombo();
+    } else if (has_ring) {
+        const int to = static_cast<int>(*index) + ui_focus_arrows(&self->focus, self->input, true);
+        if (to != static_cast<int>(*index) && to >= 0 && to < static_cast<int>(count)) {
+            has_changed = true;
+            *index = static_cast<uint32_t>(to);
+        }
     }
     ImGui::PopID();
     put_arrow(self, box);
@@ -1446,6 +1481,15 @@ static void note_value(ui *self, const ImRect &box, const ui_range *range, doubl
                  size.x > box.GetWidth(), text, end);
 }
 
+/* Of an arrow key: a hundredth of the range in whole digits, with Shift ten times as much. */
+static double slider_step(const ui *self, const ui_range *range)
+{
+    const double least =
+        range->is_whole ? 1.0 : std::pow(10.0, -static_cast<double>(range->digits));
+    const double step = ImMax(std::floor((range->max - range->min) / 100.0 / least + 0.5), 1.0);
+    return step * least * (ui_frame_modifiers(self->input) == UI_SHIFT ? 10.0 : 1.0);
+}
+
 bool ui_slider(ui *self, const char *label, float label_width, const ui_range *range, double *value)
 {
     const double before = *value;
@@ -1468,6 +1512,10 @@ bool ui_slider(ui *self, const char *label, float label_width, const ui_range *r
         ImGui::ClearActiveID();
     }
     self->is_slider_held = ImGui::IsItemActive() && !is_typed;
+    if (ui_focus_add(&self->focus, label, ImGui::GetID("##slider"), box, self->disabled_depth > 0))
+        *value = ImClamp(*value + slider_step(self, range) *
+                                      ui_focus_arrows(&self->focus, self->input, false),
+                         range->min, range->max);
     ImGui::PopID();
     if (range->is_whole)
         *value = std::floor(*value + 0.5);
@@ -1482,6 +1530,17 @@ bool ui_slider_is_held(const ui *self)
 }
 
 /* ---- what is typed ---- */
+
+const char *ui_ringed(const ui *self)
+{
+    return self->focus.label;
+}
+
+int ui_input_arrows(const ui *self)
+{
+    const ui_frame_input *input = self->input;
+    return (input->pressed[UI_KEY_DOWN] ? 1 : 0) - (input->pressed[UI_KEY_UP] ? 1 : 0);
+}
 
 void ui_input_take_keys(ui *self)
 {
@@ -1512,11 +1571,15 @@ bool ui_input(ui *self, const char *id, const char *hint, char *text, size_t cap
 {
     const ImRect box = put_label(self, id, 0.0f);
     ui_notes_box(self->notes, self->surface, ui_points_box(self, box), ui_shown(self, THEME_WELL));
+    if (ui_focus_add(&self->focus, id, ImGui::GetID(id), box, self->disabled_depth > 0))
+        self->takes_keys |= self->focus.has_arrived || self->focus.is_pressing;
     if (self->takes_keys)
         ImGui::SetKeyboardFocusHere();
     self->takes_keys = false;
+    ImGui::PushAllowKeyboardFocus(false); /* Tab is ui_focus's */
     ImGui::InputTextWithHint(id, hint ? hint : "", text, capacity,
                              ImGuiInputTextFlags_AutoSelectAll);
+    ImGui::PopAllowKeyboardFocus();
     const bool is_ended = was_ended(self, text);
     ui_want_characters(self, text, text + std::strlen(text));
     if (hint && hint[0]) /* notes where the text will be */
@@ -1878,6 +1941,7 @@ void ui_destroy(ui *self)
         ImGui::SetCurrentContext(self->context);
     if (self->is_drawing)
         ImGui_ImplOpenGL3_Shutdown();
+    self->focus.order.clear();
     if (self->context)
         ImGui::DestroyContext(self->context);
     ui_notes_destroy(self->notes);
@@ -2000,6 +2064,7 @@ void ui_begin(ui *self, const ui_screen *screen)
     self->has_drawn = true;
     ImGui::NewFrame();
     close_menus(self);
+    ui_focus_begin(&self->focus, self->input, self->has_menu);
     if (self->command != UI_KEY_NONE)
         ImGui::ClearActiveID();
 }
@@ -2093,6 +2158,10 @@ void ui_end(ui *self)
     ui_notes_end(self->notes);
     if (self->cursor == UI_CURSOR_ARROW)
         self->cursor = cursor_of(ImGui::GetMouseCursor());
+    ui_focus_end(&self->focus, ui_ink(self, THEME_ACCENT), ui_whole_px(self, 2.0f),
+                 ui_px(self, 5.0f));
+    if (self->focus.has_moved)
+        ui_want_frame(self, 0.0);
     ImGui::Render();
     self->is_new = !self->screen.is_hidden && draw_new(self, ImGui::GetDrawData());
 }

@@ -132,6 +132,7 @@ bool ui_input(ui *self, const char *id, const char *hint, char *text, size_t cap
 bool ui_input_lines(ui *self, const char *id, char *text, size_t capacity, float height);
 bool ui_input_is_entered(const ui *self); /* the last ui_input was ended with Enter, now */
 void ui_input_take_keys(ui *self);        /* the next ui_input gets the keyboard */
+int ui_input_arrows(const ui *self); /* down less up, pressed in this frame, also while typing */
 /* Height of the tabs at a width. They use as many rows as needed. */
 float ui_tabs_height(const ui *self, const char *const *names, uint32_t count, float width);
 bool ui_tabs(ui *self, const char *id, const char *const *names, uint32_t count, uint32_t *index);
@@ -155,6 +156,10 @@ void ui_bar(ui *self, float share, float width, float height, ui_style style); /
 void ui_hint(ui *self, const char *text);     /* a tooltip, after a moment */
 bool ui_menu_begin(ui *self, const char *id); /* right click on the last widget; then ui_row or
                                                  ui_menu_item, ui_menu_end if true */
+/* A menu that a key or a left click opens, at a place on the screen; ui_menu_end if true. Both in
+ * the same panel. */
+void ui_menu_open(ui *self, const char *id, float x, float y);
+bool ui_open_menu_begin(ui *self, const char *id);
 bool ui_menu_item(ui *self, const char *label, const char *keys, bool is_enabled);
 /* A line of a menu with a chip of each colour to the right of its label, of UI_CHIP points each.
  * The first one, for none, is a ring. True: another one was chosen. */
@@ -169,7 +174,11 @@ void ui_dialog_close(ui *self);
 void ui_dialog_end(ui *self);
 bool ui_has_dialog(const ui *self); /* one was drawn in the last frame */
 
-/* ---- keys ---- */
+/* ---- keys: Tab goes round the controls (ui_focus.hpp); Enter, Space and the arrows are then
+ * theirs ---- */
+
+/* Label of the control with the ring of the keyboard; "": none. */
+const char *ui_ringed(const ui *self);
 
 /* Pressed in this frame, with exactly these modifiers, and no text is being typed; keys that write
  * nothing (F1..F12, Ctrl with what a text does not use, page up and down) end the text first. */

@@ -51,11 +51,16 @@ static void click_items(app *of, ui *on)
         ui_dialog_open(on, "tempo");
 }
 
+void record_menu_open(ui *on, float x, float y)
+{
+    ui_menu_open(on, "record_menu", x, y);
+}
+
 void record_menu_draw(app *of, ui *on)
 {
     app_lead_in lead = app_lead_in_of(of);
     const live_click click = app_click(of);
-    if (!ui_menu_begin(on, "record_menu"))
+    if (!ui_open_menu_begin(on, "record_menu"))
         return;
     bool is_other = lead_items(on, "Count-in", "No count-in", &lead.count_in_s);
     if (click.when != LIVE_CLICK_OFF)

@@ -5,6 +5,8 @@
 #include "window/app/app.h"
 #include "window/gui/ui.h"
 
+/* Opens it at a place on the screen; in the same panel as record_menu_draw. */
+void record_menu_open(ui *on, float x, float y);
 void record_menu_draw(app *of, ui *on);
 /* Draws the tempo dialog over all panels. */
 void record_menu_tempo(app *of, ui *on);

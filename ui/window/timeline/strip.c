@@ -16,6 +16,7 @@ typedef struct pen { /* drawing position along the strip */
     const ui_canvas *canvas;
     float x, y, end, undo; /* undo: x of the undo buttons */
     bool is_clicked;
+    ui_rectangle record; /* the record button: its menu is opened there */
     const char *hint;
     char words[400]; /* text of the hint */
 } pen;
@@ -138,6 +139,8 @@ static void end_action(pen *p, action of, const button *b, bool can, const char 
         action_hint(p, of, can || !why_not ? "" : why_not);
     if (b->is_pressed)
         app_do(p->self->app, of);
+    if (of == ACTION_RECORD)
+        p->record = b->box;
 }
 
 static void put_action(pen *p, action of, paint_sign *sign, bool is_on)
@@ -319,6 +322,8 @@ void timeline_strip_draw(panel *self, ui *on, ui_rectangle where)
     put_undo(&p);
     ui_canvas_end(on);
     ui_hint(on, p.hint);
+    if (canvas.is_pressed && canvas.button == 1 && ui_canvas_is_over(&canvas, p.record))
+        record_menu_open(on, p.record.x, where.y);
     record_menu_draw(self->app, on);
     ui_panel_end(on);
 }

@@ -1,0 +1,121 @@
+#include "window/gui/ui_focus.hpp"
+
+#include <cstdio>
+
+static ImGuiID &here(ui_focus *self)
+{
+    return self->at[self->level];
+}
+
+void ui_focus_begin(ui_focus *self, const ui_frame_input *input, bool has_menu)
+{
+    const ImGuiContext &g = *ImGui::GetCurrentContext();
+    const int level = ImMin(g.OpenPopupStack.Size, UI_FOCUS_LEVELS - 1);
+    for (int i = self->level + 1; i <= level; ++i)
+        self->at[i] = 0;
+    self->level = level;
+    const uint32_t modifiers = ui_frame_modifiers(input);
+    const bool is_back = modifiers == UI_SHIFT;
+    self->order.resize(0);
+    self->step = 0;
+    self->is_claimed = self->is_seen = self->has_arrived = false;
+    self->took_arrows = self->takes_arrows;
+    self->takes_arrows = false;
+    if (input->pressed[UI_KEY_TAB] && (modifiers == 0 || is_back))
+        self->step = is_back ? -1 : 1;
+    if (has_menu && modifiers == 0)
+        self->step += (input->pressed[UI_KEY_DOWN] ? 1 : 0) - (input->pressed[UI_KEY_UP] ? 1 : 0);
+    if (self->step != 0 && input->is_typing) { /* on from the text, which ends */
+        here(self) = g.ActiveId;
+        ImGui::ClearActiveID();
+    }
+    bool is_pointing = false;
+    for (int i = 0; i < UI_BUTTONS; ++i)
+        is_pointing |= input->button[i];
+    self->is_escaping = here(self) != 0 && input->pressed[UI_KEY_ESCAPE] && level == 0;
+    if (is_pointing || self->is_escaping)
+        here(self) = 0;
+    if (here(self) == 0)
+        self->label[0] = '\0';
+    self->is_pressing = here(self) != 0 && !input->is_typing && modifiers == 0 &&
+                        (input->pressed[UI_KEY_ENTER] || input->pressed[' ']);
+}
+
+bool ui_focus_add(ui_focus *self, const char *label, ImGuiID id, const ImRect &box,
+                  bool is_disabled)
+{
+    ImGuiContext &g = *ImGui::GetCurrentContext();
+    if (is_disabled || ImMin(g.BeginPopupStack.Size, UI_FOCUS_LEVELS - 1) != self->level)
+        return false;
+    self->order.push_back(id);
+    if (self->is_claimed) {
+        self->is_claimed = false;
+        here(self) = id;
+        self->has_moved = true;
+    }
+    if (here(self) != id)
+        return false;
+    ImGuiWindow *window = ImGui::GetCurrentWindow();
+    self->has_arrived = self->has_moved;
+    self->has_moved = false;
+    if (self->has_arrived)
+        ImGui::ScrollToRect(window, box);
+    self->is_seen = true;
+    self->ring = box;
+    self->clip = window->ClipRect;
+    std::snprintf(self->label, sizeof self->label, "%s", label);
+    return true;
+}
+
+void ui_focus_claim(ui_focus *self)
+{
+    self->is_claimed = true;
+}
+
+int ui_focus_arrows(ui_focus *self, const ui_frame_input *input, bool is_upright)
+{
+    const uint32_t less = is_upright ? UI_KEY_UP : UI_KEY_LEFT,
+                   more = is_upright ? UI_KEY_DOWN : UI_KEY_RIGHT;
+    self->takes_arrows = true;
+    if (input->is_typing || (ui_frame_modifiers(input) & ~static_cast<uint32_t>(UI_SHIFT)) != 0)
+        return 0;
+    return (input->pressed[more] ? 1 : 0) - (input->pressed[less] ? 1 : 0);
+}
+
+bool ui_focus_has_key(const ui_focus *self, uint32_t key)
+{
+    const bool is_arrow =
+        key == UI_KEY_LEFT || key == UI_KEY_RIGHT || key == UI_KEY_UP || key == UI_KEY_DOWN;
+    return (self->is_escaping && key == UI_KEY_ESCAPE) ||
+           (self->at[self->level] != 0 &&
+            (key == UI_KEY_ENTER || key == ' ' || (is_arrow && self->took_arrows)));
+}
+
+/* From no control: to the first one, or backwards to the last. */
+static void move(ui_focus *self)
+{
+    const int count = self->order.Size;
+    int from = -1;
+    for (int i = 0; i < count && here(self) != 0; ++i)
+        if (self->order[i] == here(self))
+            from = i;
+    const int to =
+        from < 0 ? (self->step > 0 ? 0 : count - 1) : (from + self->step + count) % count;
+    here(self) = self->order[to];
+    self->has_moved = true;
+}
+
+void ui_focus_end(ui_focus *self, ImU32 colour, float thickness, float rounding)
+{
+    if (self->step != 0 && self->order.Size > 0)
+        move(self);
+    if (!self->is_seen)
+        return;
+    ImDrawList *list = ImGui::GetForegroundDrawList();
+    ImRect ring = self->ring, clip = self->clip;
+    clip.Expand(2.0f * thickness);
+    ring.Expand(thickness);
+    list->PushClipRect(clip.Min, clip.Max);
+    list->AddRect(ring.Min, ring.Max, colour, rounding, 0, thickness);
+    list->PopClipRect();
+}
