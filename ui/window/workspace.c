@@ -860,36 +860,18 @@ static void make_room_for_card(const workspace *self, workspace_layout *at)
     at->face.width -= at->card.width;
 }
 
-/* The edge between two parts: returns how far it was dragged. */
-static float drag_edge(workspace *self, const char *id, ui_rectangle where, ui_cursor cursor)
-{
-    ui_canvas canvas;
-    const bool is_upright = where.height > where.width;
-    ui_panel_begin(self->ui, id, where, UI_GROUND_NONE);
-    ui_canvas_begin(self->ui, "edge", 0.0f, 0.0f, &canvas);
-    if (canvas.is_hovered || canvas.is_dragging) {
-        ui_set_cursor(self->ui, cursor);
-        ui_draw_box(self->ui, where, canvas.is_dragging ? THEME_ACCENT : THEME_RULE, 0.0f);
-    }
-    ui_canvas_end(self->ui);
-    ui_panel_end(self->ui);
-    if (!canvas.is_dragging && !canvas.is_released)
-        return 0.0f;
-    return is_upright ? canvas.moved_x : canvas.moved_y;
-}
-
 static void draw_edges(workspace *self, const workspace_layout *at)
 {
     app_looks *looks = app_looks_of(self->app);
     if (at->has_timeline) {
         const ui_rectangle line = {0.0f, at->timeline.y - 0.5f * EDGE, at->timeline.width, EDGE};
-        const float moved = drag_edge(self, "edge_timeline", line, UI_CURSOR_DOWN);
+        const float moved = ui_drag_edge(self->ui, "edge_timeline", line, UI_CURSOR_DOWN);
         if (moved != 0.0f)
             looks->timeline_height = at->timeline.height - moved;
     }
     if (at->has_dock) {
         const ui_rectangle line = {at->dock.x - 0.5f * EDGE, at->dock.y, EDGE, at->dock.height};
-        const float moved = drag_edge(self, "edge_dock", line, UI_CURSOR_ACROSS);
+        const float moved = ui_drag_edge(self->ui, "edge_dock", line, UI_CURSOR_ACROSS);
         if (moved != 0.0f)
             looks->dock_width = clamped(at->dock.width - moved, DOCK_LEAST, DOCK_MOST);
     }

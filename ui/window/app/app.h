@@ -379,6 +379,7 @@ typedef struct app_looks { /* how it is shown; kept between runs */
     app_heat heat;
     app_panel panel;
     float timeline_height, dock_width;
+    float takes_width; /* of the list of takes; 0: as the window has room */
     theme theme;
     key_map keys;
     float text_size; /* how much larger than usual everything is: 0.8 .. 2 */
