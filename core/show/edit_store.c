@@ -189,6 +189,65 @@ mrt_result edit_store_attach_audio(show *s, int64_t take_id, const show_audio *a
     return result;
 }
 
+/* ---- marks of a recording ---- */
+
+mrt_result edit_store_marks(show *s, const take *t, edit **out, uint32_t *out_count, error *err)
+{
+    take_event *event = NULL;
+    size_t count = 0;
+    *out = NULL;
+    *out_count = 0;
+    mrt_result result =
+        show_events(s, t->start_ns, t->start_ns + t->duration_ns, &event, &count, err);
+    if (result >= 0) {
+        *out = calloc(count + 1, sizeof **out);
+        if (!*out)
+            result = error_set(err, MRT_ERR_MEMORY, "no memory for the marks of a take");
+    }
+    for (size_t i = 0; *out && i < count && *out_count < EDIT_MARKERS_MAX; ++i)
+        if (event[i].kind == TAKE_EVENT_MARK) {
+            edit *e = &(*out)[(*out_count)++];
+            edit_init(e, EDIT_MARKER_ADD);
+            e->at_ns = event[i].time_ns - t->start_ns;
+            (void)snprintf(e->text, sizeof e->text, "%s", event[i].text);
+        }
+    free(event);
+    return result;
+}
+
+mrt_result edit_store_add_marks(show *s, int64_t take_id, int64_t (*utc_ms)(void), error *err)
+{
+    edit_store *self = NULL;
+    history *h = NULL;
+    edit *mark = NULL;
+    uint32_t count = 0;
+    mrt_result result = edit_store_open(&self, s, take_id, utc_ms, err);
+    if (result < 0)
+        return result;
+    history_store list = edit_store_list(self);
+    result = edit_store_marks(s, &self->bare, &mark, &count, err);
+    if (result >= 0 && count > 0)
+        result = history_open(&h, &self->bare, &list, err);
+    for (uint32_t i = 0; i < count && result >= 0; ++i)
+        result = history_do(h, &mark[i], err);
+    free(mark);
+    history_close(h);
+    edit_store_close(self);
+    return result;
+}
+
+mrt_result edit_store_add_recovered_marks(show *s, int64_t (*utc_ms)(void), error *err)
+{
+    show_take *row = NULL;
+    size_t count = 0;
+    mrt_result result = show_takes(s, &row, &count, err);
+    for (size_t i = 0; i < count && result >= 0; ++i)
+        if (row[i].is_recovered && row[i].edit_count == 0)
+            result = edit_store_add_marks(s, row[i].id, utc_ms, err);
+    free(row);
+    return result;
+}
+
 /* ---- a copy ---- */
 
 typedef struct texts { /* edits as JSON */

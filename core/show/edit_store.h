@@ -30,6 +30,16 @@ history_store edit_store_list(edit_store *self);
 const take *
 edit_store_bare(const edit_store *self); /* the take before its edits; valid until close */
 
+/* Lists the marks that were set while a take was recorded, as edits that add its markers, oldest
+ * first. Edits need no edit_finish; the caller frees *out. */
+CHECKED mrt_result edit_store_marks(show *s, const take *t, edit **out, uint32_t *out_count,
+                                    error *err);
+/* Makes them markers of the take, after its other edits. */
+CHECKED mrt_result edit_store_add_marks(show *s, int64_t take_id, int64_t (*utc_ms)(void),
+                                        error *err);
+/* Does so for each take that was recovered after a crash and is not edited yet. */
+CHECKED mrt_result edit_store_add_recovered_marks(show *s, int64_t (*utc_ms)(void), error *err);
+
 /* Attaches recorded audio to a take as its sound, at the time of the recording, as one edit. */
 CHECKED mrt_result edit_store_attach_audio(show *s, int64_t take_id, const show_audio *audio,
                                            int64_t (*utc_ms)(void), error *err);

@@ -46,6 +46,7 @@ perform '' --export bare.pc2
 perform less.json --export less.pc2
 ! cmp -s performed.pc2 less.pc2 || fail "without the jaw's fader the jaw is the same"
 sqlite3 "$show" "SELECT count(*) FROM event WHERE kind = 6" 2>/dev/null | grep -qx 1 || fail "no mark was set"
+"$MAROTTE" take show "$show" 1 | grep -q '^mark .*s: mark$' || fail "the mark is no marker of its take"
 
 # Changed afterwards.
 first=$(sum_of 1)

@@ -6,6 +6,8 @@
 
 #include <cmocka.h>
 
+#include "base/clock.h"
+#include "show/edit_store.h"
 #include "take/show_scene.h"
 
 #include <errno.h>
@@ -414,6 +416,7 @@ static void a_killed_program_leaves_no_lock_and_its_take(void **state)
         scene_record(&r, got, &options);
         (void)!writer_take_begin(r.writer, 500, &(writer_slate){.scene = "9"}, &take_id, &err);
         scene_give(&r, 0, 500);
+        (void)!writer_mark(r.writer, 100 * scene_step_ns, "cue", &err);
         scene_flush(&r);
         (void)!write(ready[1], "x", 1);
         pause();
@@ -445,6 +448,14 @@ static void a_killed_program_leaves_no_lock_and_its_take(void **state)
     assert_string_equal(base.origin, "recorded, recovered");
     assert_int_equal(base.layer[0].clip[0].to_ns, takes[0].end_ns);
     take_finish(&base);
+    for (int i = 0; i < 2; ++i) { /* its mark is a marker, once */
+        scene_must(edit_store_add_recovered_marks(other, clock_utc_ms, &err), &err);
+        scene_must(edit_store_take(&base, other, takes[0].id, &err), &err);
+        assert_int_equal(base.marker_count, 1);
+        assert_string_equal(base.marker[0].text, "cue");
+        assert_int_equal(base.marker[0].at_ns, 100 * scene_step_ns - 500);
+        take_finish(&base);
+    }
     free(takes);
     show_close(other);
     scene_must(show_open(&other, s->path, SHOW_WRITE, &err), &err);

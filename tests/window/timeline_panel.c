@@ -63,6 +63,12 @@ static void right_click(stand *s, float x, float y)
     stand_settle(s);
 }
 
+static void pass_half_a_second(stand *s)
+{
+    for (int i = 0; i < 40; ++i)
+        stand_frame(s);
+}
+
 /* ---- clips ---- */
 
 static void a_clip_is_dragged_in_time_in_one_step(void **state)
@@ -326,6 +332,33 @@ static void clips_and_layers_have_colours(void **state)
     stand_close(s);
 }
 
+/* A long name is read by pulling the edge of the list, or by resting on it. */
+static void the_list_of_takes_is_as_wide_as_it_is_pulled(void **state)
+{
+    (void)state;
+    stand *s = open_stand();
+    stand_list(s, 4);
+    (void)snprintf(s->line[3].title, sizeof s->line[3].title,
+                   "1/a 4 the second try of the night ride 2026-11-28 20:40");
+    stand_settle(s);
+    const float x = s->panel->rows.x - 1.0f, y = 150.0f;
+    assert_null(stand_word(s, s->line[3].title)); /* it is cut */
+    stand_move(s, 60.0f, stand_word(s, "All")->where.y + 36.0f);
+    pass_half_a_second(s);
+    assert_ptr_equal(strstr(s->panel->hint_words, s->line[3].title), s->panel->hint_words);
+    stand_drag(s, x, y, x + 250.0f, y);
+    stand_settle(s);
+    assert_float_equal(s->looks.takes_width, 500.0f, 4.0f);
+    assert_float_equal(s->panel->rows.x, x + 251.0f, 4.0f);
+    assert_non_null(stand_word(s, s->line[3].title));
+    stand_picture(s, "wide_list");
+    window_hidden_put_away(s->window, true);
+    stand_drag(s, s->panel->rows.x - 1.0f, y, 5.0f, y);
+    stand_settle(s);
+    assert_true(s->panel->rows.x >= 150.0f); /* it does not vanish */
+    stand_close(s);
+}
+
 static void upper_corners_fade(void **state)
 {
     (void)state;
@@ -564,12 +597,6 @@ static void while_it_plays_the_page_turns(void **state)
 
 /* ---- takes ---- */
 
-static void pass_half_a_second(stand *s)
-{
-    for (int i = 0; i < 40; ++i)
-        stand_frame(s);
-}
-
 static void stars_are_given_with_a_click(void **state)
 {
     (void)state;
@@ -722,6 +749,7 @@ int main(void)
         cmocka_unit_test(a_clip_is_dragged_in_time_in_one_step),
         cmocka_unit_test(a_click_chooses_and_changes_nothing),
         cmocka_unit_test(escape_cancels_a_drag),
+        cmocka_unit_test(the_list_of_takes_is_as_wide_as_it_is_pulled),
         cmocka_unit_test(clips_and_layers_have_colours),
         cmocka_unit_test(what_a_drag_snaps_to_is_told),
         cmocka_unit_test(with_ripple_what_follows_moves_and_the_status_says_so),

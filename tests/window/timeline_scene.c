@@ -10,6 +10,7 @@
 #include "scene.h"
 
 #include <math.h>
+#include <sqlite3.h>
 
 static bool has_take(scene *s, void *data)
 {
@@ -704,6 +705,54 @@ static void the_face_shows_the_gain_that_is_dragged(void **state)
     assert_true(scene_until(&s, has_face, &first));
     assert_true(app_take(s.app)->layer[0].gain == 1.0);
     assert_string_equal(app_undo_words(s.app), words);
+    /* in a loop, too: without gain all its faces are one */
+    const int64_t at_ns = app_view(s.app)->at_ns;
+    app_set_range(s.app, at_ns - 200 * NS_PER_MS, at_ns + 200 * NS_PER_MS);
+    scene_do(&s, ACTION_PLAY);
+    assert_true(scene_until(&s, plays_the_chosen, NULL));
+    scene_move(&s, x, y);
+    scene_settle(&s);
+    scene_button(&s, 0, true);
+    scene_frames(&s, 2);
+    scene_move(&s, x - 100.0f, y);
+    scene_frames(&s, 2);
+    scene_move(&s, x - 200.0f, y);
+    (void)still_face(&s);
+    assert_true(plays_the_chosen(&s, NULL));
+    assert_true(app_take(s.app)->layer[0].gain == 1.0);
+    scene_key(&s, UI_KEY_ESCAPE, 0);
+    first.is_wanted = true;
+    assert_true(scene_until(&s, has_face, &first));
+    scene_button(&s, 0, false);
+    scene_close(&s);
+}
+
+/* The take is as after a crash: ended by whoever opens the show, and not edited. */
+static void a_mark_of_a_recording_that_was_recovered_is_a_marker(void **state)
+{
+    (void)state;
+    scene s;
+    uint32_t one = 1;
+    sqlite3 *db;
+    open_hand(&s, 1.0f);
+    scene_do(&s, ACTION_RECORD);
+    assert_true(scene_until(&s, has_recorded, NULL));
+    scene_do(&s, ACTION_MARK);
+    assert_true(scene_until(&s, has_recorded_more, &(int64_t){3 * NS_PER_S}));
+    scene_do(&s, ACTION_RECORD);
+    assert_true(scene_until(&s, has_take, &one));
+    assert_true(scene_until(&s, has_markers, &one));
+    scene_end(&s);
+    assert_int_equal(sqlite3_open(s.show, &db), SQLITE_OK);
+    assert_int_equal(sqlite3_exec(db,
+                                  "UPDATE take SET end_ns = NULL, edit_head = 0; DELETE FROM edit;",
+                                  NULL, NULL, NULL),
+                     SQLITE_OK);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+    scene_open_again(&s, &(scene_options){.width_px = 1280, .height_px = 720, .scale = 1.0f});
+    assert_true(scene_until(&s, has_take, &one));
+    choose_newest(&s);
+    assert_true(has_markers(&s, &one));
     scene_close(&s);
 }
 
@@ -724,6 +773,7 @@ int main(void)
         cmocka_unit_test(a_click_in_the_list_chooses_what_space_plays_and_del_deletes),
         cmocka_unit_test(a_mark_set_while_recording_is_on_the_timeline_and_in_history),
         cmocka_unit_test(what_is_kept_has_its_marks),
+        cmocka_unit_test(a_mark_of_a_recording_that_was_recovered_is_a_marker),
         cmocka_unit_test(the_show_that_is_open_is_opened_again_and_records_on),
         cmocka_unit_test(nothing_covers_undo_in_the_smallest_window),
         cmocka_unit_test(the_journal_is_seen_live_and_at_twice_the_size),

@@ -444,6 +444,8 @@ static mrt_result end_recording(performance *of, facts *told, error *err)
         result = writer_flush(recorder_writer(self->recorder), err);
     if (result >= 0)
         result = attach_sound(self, told, err);
+    if (result >= 0 && self->take)
+        result = edit_store_add_marks(self->show, self->take, clock_utc_ms, err);
     taught_keep_now(self->show, of->performer->voice[0].layer->mapping, of->log);
     writer_status status = writer_status_of(recorder_writer(self->recorder));
     error later = {""};

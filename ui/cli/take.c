@@ -1,6 +1,7 @@
 #include "cli/take.h"
 
 #include "base/cancel.h"
+#include "base/clock.h"
 #include "base/file.h"
 #include "base/suggest.h"
 #include "base/text.h"
@@ -375,6 +376,9 @@ static mrt_result take_open_show(take_call *call, error *err)
         return error_set(err, MRT_ERR_IO, "%s", notice);
     if (notice[0])
         fprintf(stderr, "note: %s\n", notice);
+    error why = {""};
+    if (writes && edit_store_add_recovered_marks(call->show, clock_utc_ms, &why) < 0)
+        fprintf(stderr, "warning: %s\n", why.text);
     return MRT_OK;
 }
 

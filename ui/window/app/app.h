@@ -368,6 +368,7 @@ typedef struct app_looks { /* how it is shown; kept between runs */
     bool is_answering; /* not kept: Space belongs to the panel Hand */
     app_heat heat;
     kept_layouts layouts;
+    float takes_width; /* of the list of takes; 0: as the window has room */
     theme theme;
     key_map keys;
     float text_size; /* how much larger than usual everything is: 0.8 .. 2 */

@@ -3,6 +3,7 @@
 #include "window/gui/theme.h"
 #include "window/app/presets.h"
 
+#include "base/clock.h"
 #include "base/file.h"
 #include "base/text.h"
 #include "show/pack.h"
@@ -58,6 +59,7 @@ static const struct look_number {
     size_t offset;
     double initial, least, most;
 } numbers[] = {
+    {"looks.takes_width", offsetof(app_looks, takes_width), 0.0, 0.0, 2000.0},
     {"looks.text_size", offsetof(app_looks, text_size), 1.0, 0.8, 2.0},
 };
 enum { NUMBERS = sizeof numbers / sizeof numbers[0] };
@@ -253,10 +255,14 @@ static mrt_result make_show(show **out, error *err)
     return result < 0 ? result : open_or_make(out, path, err);
 }
 
-/* What is kept of the show on this computer. */
-static void keep_show_path(app *self)
+/* After a show has been opened: keeps its path, and says what is to be known about it. */
+static void begin_show(app *self)
 {
+    error err = {0};
     char *real = self->show ? realpath(show_path(self->show), NULL) : NULL;
+    if (self->show && show_is_writable(self->show))
+        (void)app_report(self, edit_store_add_recovered_marks(self->show, clock_utc_ms, &err),
+                         &err);
     if (real)
         settings_set_text(self->settings, "last.show", real);
     kept_layouts_write(&self->looks.layouts, self->settings); /* of the show before */
@@ -277,14 +283,14 @@ static mrt_result open_first_show(app *self, const char *path, error *err)
     if (path) {
         mrt_result result = open_or_make(&self->show, path, err);
         if (result >= 0)
-            keep_show_path(self);
+            begin_show(self);
         return result;
     }
     if (last && exists(last) && show_open(&self->show, last, SHOW_RECORD, &why) < 0)
         (void)app_report(self, MRT_ERR_IO, &why);
     if (!self->show && make_show(&self->show, &why) < 0)
         (void)app_report(self, MRT_ERR_IO, &why);
-    keep_show_path(self);
+    begin_show(self);
     return MRT_OK;
 }
 
@@ -330,7 +336,7 @@ mrt_result app_open_show(app *self, const char *path)
     self->show = opened;
     self->takes.are_stale = true;
     self->recording.was_recording = false;
-    keep_show_path(self);
+    begin_show(self);
     perform_as_show_says(self);
     self->recording.had_problem = false;
     app_say(self, MRT_LOG_INFO, "%s is open", path);

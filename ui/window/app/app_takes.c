@@ -381,35 +381,22 @@ static void tell_kept(app *self, int64_t id)
 static void add_marks(app *self, int64_t id)
 {
     error err = {0};
-    take_event *event = NULL;
-    size_t count = 0;
-    uint32_t marks = 0;
+    edit *mark = NULL;
+    uint32_t count = 0;
     const int64_t before = self->takes.chosen;
     if (app_pick_take(self, id) < 0)
         return;
-    const take *t = app_take(self);
-    if (app_report(self,
-                   show_events(self->show, t->start_ns, t->start_ns + t->duration_ns, &event,
-                               &count, &err),
-                   &err) >= 0) {
-        edit *edits = calloc(count ? count : 1, sizeof *edits);
-        const edit **list = calloc(count ? count : 1, sizeof *list);
-        for (size_t i = 0; edits && list && i < count && marks < EDIT_MARKERS_MAX; ++i)
-            if (event[i].kind == TAKE_EVENT_MARK) {
-                edit *e = &edits[marks];
-                edit_init(e, EDIT_MARKER_ADD);
-                e->at_ns = event[i].time_ns - t->start_ns;
-                (void)snprintf(e->text, sizeof e->text, "%s", event[i].text);
-                list[marks++] = e;
-            }
-        if (marks > 0)
-            app_reported(app_edit_all(self, list, marks));
-        for (uint32_t i = 0; i < marks; ++i)
-            edit_finish(&edits[i]);
+    if (app_report(self, edit_store_marks(self->show, app_take(self), &mark, &count, &err), &err) >=
+            0 &&
+        count > 0) {
+        const edit **list = calloc(count, sizeof *list);
+        for (uint32_t i = 0; list && i < count; ++i)
+            list[i] = &mark[i];
+        if (list)
+            app_reported(app_edit_all(self, list, count));
         free(list);
-        free(edits);
     }
-    free(event);
+    free(mark);
     if (self->view->mode != LIVE_PERFORMS) /* another take is on the stage */
         app_reported(app_pick_take(self, before));
 }

@@ -1677,6 +1677,23 @@ void ui_canvas_end(ui *self)
     ImGui::PopClipRect();
 }
 
+float ui_drag_edge(ui *self, const char *id, ui_rectangle where, ui_cursor cursor)
+{
+    ui_canvas canvas;
+    const bool is_upright = where.height > where.width;
+    ui_panel_begin(self, id, where, UI_GROUND_NONE);
+    ui_canvas_begin(self, "edge", 0.0f, 0.0f, &canvas);
+    if (canvas.is_hovered || canvas.is_dragging) {
+        ui_set_cursor(self, cursor);
+        ui_draw_box(self, where, canvas.is_dragging ? THEME_ACCENT : THEME_RULE, 0.0f);
+    }
+    ui_canvas_end(self);
+    ui_panel_end(self);
+    if (!canvas.is_dragging && !canvas.is_released)
+        return 0.0f;
+    return is_upright ? canvas.moved_x : canvas.moved_y;
+}
+
 /* ---- shapes ---- */
 
 void ui_draw_box(ui *self, ui_rectangle where, uint32_t colour, float rounding)

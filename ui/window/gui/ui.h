@@ -238,7 +238,10 @@ typedef enum ui_cursor {
     UI_CURSOR_CROSS
 } ui_cursor;
 void ui_set_cursor(ui *self, ui_cursor cursor); /* for this frame */
-ui_cursor ui_cursor_wanted(const ui *self);     /* after ui_end */
+/* A panel that is the edge between two others. Returns how far it was dragged in this frame, across
+ * its length. */
+float ui_drag_edge(ui *self, const char *id, ui_rectangle where, ui_cursor cursor);
+ui_cursor ui_cursor_wanted(const ui *self); /* after ui_end */
 
 /* What was drawn since ui_begin. */
 void ui_note_words(ui *self, bool is_noting);

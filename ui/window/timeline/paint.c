@@ -59,8 +59,13 @@ static void put_action(panel *self, switch_row *p, action of, bool is_on, bool i
     bool is_over;
     if (put_word(p, action_of(of)->title, 0.0f, is_on, is_bright, &is_over))
         app_do(self->app, of);
-    if (is_over)
-        self->hint = action_of(of)->help;
+    if (!is_over)
+        return;
+    char keys[KEY_WORDS];
+    key_map_words(&app_looks_of(self->app)->keys, of, keys);
+    (void)snprintf(self->hint_words, sizeof self->hint_words, "%s%s%s%s\n%s", action_of(of)->title,
+                   keys[0] ? "  (" : "", keys, keys[0] ? ")" : "", action_of(of)->help);
+    self->hint = self->hint_words;
 }
 
 static void put_regions(panel *self, switch_row *p)

@@ -435,9 +435,11 @@ static void paint_list(panel *self, ui *on, const ui_canvas *canvas, const app_t
         paint_line(self, on, of, &self->takes.row[i], where, hovered == (int64_t)i);
         if (hovered != (int64_t)i)
             continue;
-        self->hint = of->note[0] ? of->note
-                                 : "Click to select the take, double-click to show it on the "
-                                   "stage, right-click for more actions.";
+        (void)snprintf(self->hint_words, sizeof self->hint_words, "%s\n%s", of->title,
+                       of->note[0] ? of->note
+                                   : "Click to select the take, double-click to show it on the "
+                                     "stage, right-click for more actions.");
+        self->hint = self->hint_words;
         if (is_on_fold(&self->takes.row[i], canvas)) {
             self->hint = "Show or hide the overdubs of this take.";
             if (canvas->is_pressed && canvas->button == 0)

@@ -11,6 +11,9 @@
 #define BIN_POINTS  1.5f /* width of a bin of a curve */
 #define NARROW      1100.0f
 #define NARROW_LIST 200.0f
+#define LIST_LEAST  150.0f
+#define LIST_MOST   0.5f /* share of the timeline */
+#define EDGE        7.0f
 
 /* ---- other takes below the selected take ---- */
 
@@ -369,11 +372,15 @@ static void follow_take(panel *self)
     bool is_other = (t ? t->id : 0) != self->fitted_take;
     if (is_other)
         self->gesture = GESTURE_NONE;
-    if (is_other || (self->is_fit && duration_ns != self->fitted_duration_ns) ||
+    const bool is_resized = self->axis.width < self->fitted_width ||
+                            self->axis.width > self->fitted_width ||
+                            duration_ns != self->fitted_duration_ns;
+    if (is_other || (self->is_fit && is_resized) ||
         app_take_request(self->app, ACTION_TIMELINE_FIT))
         timeline_fit(self);
     self->fitted_take = t ? t->id : 0;
     self->fitted_duration_ns = duration_ns;
+    self->fitted_width = self->axis.width;
 }
 
 static void follow_head(panel *self)
@@ -592,15 +599,29 @@ static void update(panel *self, double dt_s)
     }
 }
 
+/* Returns the width of the list of takes. */
+static float width_of_list(const panel *self, float room)
+{
+    const float wished = app_looks_of(self->app)->takes_width, most = LIST_MOST * room;
+    const float list = wished > 0.0f ? wished : room < NARROW ? NARROW_LIST : TIMELINE_LIST_WIDTH;
+    return list < LIST_LEAST ? LIST_LEAST : list > most ? most : list;
+}
+
 static void draw(panel *self, ui *on, ui_rectangle where)
 {
-    float list = where.width < NARROW ? NARROW_LIST : TIMELINE_LIST_WIDTH;
+    const float list = width_of_list(self, where.width);
     float x = where.x + list + 1.0f, width = where.width - list - 1.0f;
     float y = where.y + TIMELINE_STRIP_HEIGHT;
     look(self);
     timeline_takes_draw(self, on, (ui_rectangle){where.x, where.y, list, where.height});
     timeline_strip_draw(self, on, (ui_rectangle){x, where.y, width, TIMELINE_STRIP_HEIGHT - 1.0f});
     draw_lanes(self, on, (ui_rectangle){x, y, width, where.height - TIMELINE_STRIP_HEIGHT});
+    const float moved =
+        ui_drag_edge(on, "timeline_edge",
+                     (ui_rectangle){where.x + list - 0.5f * EDGE, where.y, EDGE, where.height},
+                     UI_CURSOR_ACROSS);
+    if (moved > 0.0f || moved < 0.0f)
+        app_looks_of(self->app)->takes_width = fmaxf(list + moved, LIST_LEAST);
     request(self);
     if (timeline_worker_is_busy(self->worker))
         ui_want_frame(on, 0.08);

@@ -134,6 +134,7 @@ struct panel {
     timeline_rows rows;
     float scroll;
     int64_t fitted_take, fitted_duration_ns;
+    float fitted_width;
     bool is_fit; /* show the whole take, also while it grows */
     int64_t last_head_ns;
     /* settings of the user */
@@ -154,6 +155,7 @@ struct panel {
     timeline_target range_snapped;    /* what the dragged end of the range has snapped to */
     bool is_free;                     /* Shift is held: this drag does not snap */
     const char *hint;
+    char hint_words[800]; /* memory of a hint that is written: of a take, its whole name and note */
     /* the journal, shown while no take is selected */
     timeline_journal *journal;
     int64_t journal_span_ns;
