@@ -147,6 +147,11 @@ static void open_other_show(scene *s, const char *name)
     scene_frames(s, 3);
 }
 
+static bool is_open(scene *s, void *data)
+{
+    return app_show(s->app) && strcmp(show_path(app_show(s->app)), data) == 0;
+}
+
 static void a_show_is_opened_again_with_its_layout(void **state)
 {
     scene s;
@@ -171,6 +176,13 @@ static void a_show_is_opened_again_with_its_layout(void **state)
     scene_open_again(&s, &options);
     assert_int_equal(place_of(&s, APP_MAPPING), PLACE_LEFT);
     assert_true(middle_of(&s, "Mapping") < 330.0f);
+
+    char copy[128];
+    error err = {0};
+    (void)snprintf(copy, sizeof copy, "%s/copy.marotte", s.folder);
+    assert_int_equal(app_save_show_as(s.app, copy, &err), MRT_OK);
+    assert_true(scene_until(&s, is_open, copy)); /* a copy looks like the original */
+    assert_int_equal(place_of(&s, APP_MAPPING), PLACE_LEFT);
 
     app_do(s.app, ACTION_LAYOUT_KEEP); /* for new shows */
     open_other_show(&s, "new.marotte");

@@ -3,9 +3,39 @@
 # speaking, a live performance, the timeline, a painted rig, the card of the hand, the steps from a head to a video. Recorded hands perform, on a private X server. Not a test: look at
 # the results, then commit them.
 #   ninja -C build/release marotte-program && MAROTTE=build/release/marotte tests/window/pictures.sh
+# pictures.sh --panels FOLDER: writes each panel and each layout at 800x500, 1280x720, 1920x1080 and 4K at 200 %, without a display:
+# FOLDER/SIZE_PANEL.png, and with ImageMagick a sheet of each size. Look at all of them after a change of the panels.
 here=$(cd "$(dirname "$0")/../.." && pwd)
 export SOURCE_DIR=$here
 MAROTTE=$(realpath "${MAROTTE:-$here/build/release/marotte}")
+
+panels() { # FOLDER
+    local face=$here/rigs/puppet/puppet.rig.json hand=$here/plugins/log/demo_hand.csv size width height scale panel show
+    mkdir -p "$1" || exit 1
+    for size in 800x500@1 1280x720@1 1920x1080@1 1920x1080@2; do
+        IFS=x@ read -r width height scale <<<"$size"
+        show=$(mktemp -d)
+        {
+            echo 'frames 5'
+            for panel in devices mapping patch rig engine log output scene hand poses; do
+                printf 'do panel_%s\nframes 3\npicture %s/%s_%s.png\n' $panel "$1" "$size" $panel
+            done
+            for panel in edit rig; do
+                printf 'do layout_%s\nframes 3\npicture %s/%s_layout_%s.png\n' $panel "$1" "$size" $panel
+            done
+            printf 'do layout_perform\ndo panel_mapping\ndo panel_float\nframes 3\npicture %s/%s_floating.png\n' "$1" "$size"
+        } >"$show/script"
+        "$MAROTTE" stage "$show/night.marotte" --hidden --size "${width}x$height" --scale "$scale" --face "$face" --map one_hand \
+            --input "log:$hand" --script "$show/script" >/dev/null || exit 1
+        rm -r "$show"
+        ! command -v montage >/dev/null || montage "$1/${size}"_*.png -tile 3x -geometry 900x+6+6 "$1/sheet_$size.png"
+    done
+}
+if [ "${1:-}" = --panels ]; then
+    panels "$(realpath -m "${2:?the folder of the pictures}")"
+    exit
+fi
+
 folder=$(realpath "${1:-$here/.github}")
 export MAROTTE MAROTTE_SCREEN=1440x810x24
 source "$(dirname "$0")/xvfb.sh" "$folder"

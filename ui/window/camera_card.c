@@ -279,10 +279,13 @@ static bool is_small(ui_rectangle over)
     return over.width < 640.0f || over.height < 400.0f;
 }
 
+static const float column = 180.0f; /* of a small stage */
+
 static void begin_card(ui *on, ui_rectangle over, float height)
 {
-    const ui_rectangle box = {over.x + margin, over.y + margin, is_small(over) ? 172.0f : 216.0f,
-                              height};
+    ui_rectangle box = {over.x + margin, over.y + margin, 216.0f, height};
+    if (is_small(over))
+        box = (ui_rectangle){over.x, over.y, column, over.height};
     ui_panel_begin(on, "camera", box, UI_GROUND_PANEL);
 }
 
@@ -511,18 +514,51 @@ static void draw_preview(camera_card *self, ui *on, ui_rectangle over)
     ui_panel_end(on);
 }
 
-void camera_card_draw(camera_card *self, ui *on, ui_rectangle over)
+typedef enum card_page {
+    PAGE_NONE = 0,
+    PAGE_DOWNLOAD,
+    PAGE_TROUBLE,
+    PAGE_MISSING,
+    PAGE_PREVIEW
+} card_page;
+
+static card_page page_of(const camera_card *self)
+{
+    if (self->is_asked && self->state.is_fetching)
+        return PAGE_DOWNLOAD;
+    if (self->state.trouble.text[0])
+        return PAGE_TROUBLE;
+    if (!self->camera || self->is_hidden || !self->state.is_known)
+        return PAGE_NONE;
+    if (!self->state.has_tracker && !self->has_sight)
+        return PAGE_MISSING;
+    return settings_number(app_settings(self->app), APP_CAMERA_PREVIEW, 1.0) > 0.0 ? PAGE_PREVIEW
+                                                                                   : PAGE_NONE;
+}
+
+float camera_card_width(const camera_card *self, ui_rectangle stage)
+{
+    return is_small(stage) && page_of(self) != PAGE_NONE ? column : 0.0f;
+}
+
+void camera_card_draw(camera_card *self, ui *on, ui_rectangle stage)
 {
     if (self->lesson == LESSON_POSES && ui_has_dialog(on))
         leave_lesson(self); /* the dialog Calibrate taps the input too */
-    if (self->is_asked && self->state.is_fetching)
-        draw_download(self, on, over);
-    else if (self->state.trouble.text[0])
-        draw_trouble(self, on, over);
-    else if (!self->camera || self->is_hidden || !self->state.is_known)
-        return;
-    else if (!self->state.has_tracker && !self->has_sight)
-        draw_missing(self, on, over);
-    else if (settings_number(app_settings(self->app), APP_CAMERA_PREVIEW, 1.0) > 0.0)
-        draw_preview(self, on, over);
+    switch (page_of(self)) {
+    case PAGE_DOWNLOAD:
+        draw_download(self, on, stage);
+        break;
+    case PAGE_TROUBLE:
+        draw_trouble(self, on, stage);
+        break;
+    case PAGE_MISSING:
+        draw_missing(self, on, stage);
+        break;
+    case PAGE_PREVIEW:
+        draw_preview(self, on, stage);
+        break;
+    case PAGE_NONE:
+        break;
+    }
 }

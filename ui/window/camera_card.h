@@ -11,7 +11,10 @@ void camera_card_destroy(camera_card *self); /* NULL is fine */
 
 /* Takes APP_CALL_CAMERA, and follows the camera. Call it in each frame. */
 void camera_card_update(camera_card *self, double dt_s);
-/* Draws the card, if there is anything to say or to see, at the upper left of the face. */
-void camera_card_draw(camera_card *self, ui *on, ui_rectangle over);
+/* Of the column that the card takes at the left of a small stage; 0: there is no card, or it lies
+ * over a corner of a large one. */
+float camera_card_width(const camera_card *self, ui_rectangle stage);
+/* Draws the card, if there is anything to say or to see, at the upper left of the stage. */
+void camera_card_draw(camera_card *self, ui *on, ui_rectangle stage);
 
 #endif

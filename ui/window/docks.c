@@ -206,29 +206,11 @@ void docks_draw(docks *self, ui *on, const arrangement_rectangles *at)
 
 /* ---- the edges between the parts ---- */
 
-/* Returns how far it was dragged. */
-static float drag_edge(ui *on, const char *id, ui_rectangle where, ui_cursor cursor)
-{
-    ui_canvas canvas;
-    const bool is_upright = where.height > where.width;
-    ui_panel_begin(on, id, where, UI_GROUND_NONE);
-    ui_canvas_begin(on, "edge", 0.0f, 0.0f, &canvas);
-    if (canvas.is_hovered || canvas.is_dragging) {
-        ui_set_cursor(on, cursor);
-        ui_draw_box(on, where, canvas.is_dragging ? THEME_ACCENT : THEME_RULE, 0.0f);
-    }
-    ui_canvas_end(on);
-    ui_panel_end(on);
-    if (!canvas.is_dragging && !canvas.is_released)
-        return 0.0f;
-    return is_upright ? canvas.moved_x : canvas.moved_y;
-}
-
 static void drag_dock_edge(docks *self, ui *on, const char *id, ui_rectangle dock, float x,
                            panel_place place)
 {
     const ui_rectangle line = {x - 0.5f * EDGE, dock.y, EDGE, dock.height};
-    const float moved = drag_edge(on, id, line, UI_CURSOR_ACROSS);
+    const float moved = ui_drag_edge(on, id, line, UI_CURSOR_ACROSS);
     if (dock.width > 0.0f && moved != 0.0f)
         now(self)->width[place] =
             arrangement_dock_width(dock.width + (place == PLACE_LEFT ? moved : -moved));
@@ -239,7 +221,7 @@ static void draw_edges(docks *self, ui *on, const arrangement_rectangles *at)
     if (at->timeline.width > 0.0f) {
         const ui_rectangle line = {at->timeline.x, at->timeline.y - 0.5f * EDGE, at->timeline.width,
                                    EDGE};
-        const float moved = drag_edge(on, "edge_timeline", line, UI_CURSOR_DOWN);
+        const float moved = ui_drag_edge(on, "edge_timeline", line, UI_CURSOR_DOWN);
         if (moved != 0.0f)
             now(self)->timeline_height = at->timeline.height - moved;
     }

@@ -48,6 +48,7 @@ struct workspace {
     bool is_offered; /* what an empty stage offers was answered */
     help help;
     menus menus;
+    ui_rectangle face_at; /* in the last frame */
 
     int32_t news_level; /* of the line that is shown */
     char news[1200];
@@ -806,6 +807,11 @@ ui *workspace_ui(workspace *self)
     return self->ui;
 }
 
+ui_rectangle workspace_face(const workspace *self)
+{
+    return self->face_at;
+}
+
 float workspace_scale(const workspace *self)
 {
     return self->screen.scale > 0.0f ? self->screen.scale : 1.0f;
@@ -815,6 +821,7 @@ float workspace_scale(const workspace *self)
 
 typedef struct workspace_layout {
     arrangement_rectangles at; /* with the face only: nothing else */
+    ui_rectangle stage;        /* the face with the cards beside it */
     ui_rectangle card;         /* of the hand, at the left of the face; width 0: none */
     bool has_panels;
 } workspace_layout;
@@ -828,11 +835,12 @@ static workspace_layout lay_out(const workspace *self)
         arrangement_lay_out(&looks->layouts.now, width, height, &out.at);
     else
         out.at.face = (ui_rectangle){0.0f, 0.0f, width, height};
-    ui_rectangle *room = &out.at.face;
-    out.card = *room;
-    out.card.width = hand_panel_card_width(docks_panel(self->docks, APP_HAND), self->ui, *room);
-    room->x += out.card.width;
-    room->width -= out.card.width;
+    out.stage = out.card = out.at.face;
+    out.card.width = hand_panel_card_width(docks_panel(self->docks, APP_HAND), self->ui, out.stage);
+    const float camera = out.has_panels ? camera_card_width(self->camera, out.stage) : 0.0f;
+    const float beside = out.card.width > camera ? out.card.width : camera;
+    out.at.face.x += beside;
+    out.at.face.width -= beside;
     return out;
 }
 
@@ -869,7 +877,7 @@ static void draw_panels(workspace *self, const workspace_layout *on)
     if (on->card.width > 0.0f)
         hand_panel_draw_card(docks_panel(self->docks, APP_HAND), self->ui, on->card);
     if (on->has_panels) {
-        camera_card_draw(self->camera, self->ui, room);
+        camera_card_draw(self->camera, self->ui, on->stage);
         offers_draw(self->app, self->ui, above_news, &self->is_offered);
         docks_draw_over(self->docks, self->ui, &on->at);
     }
@@ -1059,6 +1067,7 @@ void workspace_counted(const workspace *self, workspace_counts *out)
 static void draw(workspace *self)
 {
     const workspace_layout on = lay_out(self);
+    self->face_at = on.at.face;
     const int64_t began_ns = cpu_now_ns();
     docks_update(self->docks, self->screen.dt_s);
     camera_card_update(self->camera, self->screen.dt_s);

@@ -8,8 +8,9 @@
 typedef struct workspace workspace;
 CHECKED mrt_result workspace_create(workspace **out, app *of, window *on, error *err);
 void workspace_destroy(workspace *self);
-ui *workspace_ui(workspace *self);            /* to push events and to read the drawn text */
-float workspace_scale(const workspace *self); /* pixels a point, of the last frame */
+ui *workspace_ui(workspace *self);                  /* to push events and to read the drawn text */
+float workspace_scale(const workspace *self);       /* pixels a point, of the last frame */
+ui_rectangle workspace_face(const workspace *self); /* where it was drawn in the last frame */
 /* One frame: events, update, panels, picture. False: the window must be closed. */
 bool workspace_frame(workspace *self);
 

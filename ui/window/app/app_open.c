@@ -459,8 +459,11 @@ void app_follow_copy(app *self)
     const int64_t chosen = self->takes.chosen;
     mrt_result result = app_report(self, copier->result, &copier->err);
     app_drop_copy(self);
+    const kept_layouts layouts = self->looks.layouts;
     if (result >= 0)
         result = app_open_show(self, path);
+    if (result >= 0)
+        kept_layouts_copy(&self->looks.layouts, self->settings, &layouts);
     if (result >= 0 && chosen)
         app_reported(app_select_take(self, chosen));
 }

@@ -113,18 +113,34 @@ void kept_layouts_reset(kept_layouts *self)
     arrangement_init(&self->now, self->of);
 }
 
-void kept_layouts_use_for_new(const kept_layouts *self, settings *to)
+/* Writes all layouts of one show as those of another; "": of new shows. */
+static void copy_layouts(settings *in, const char *from, app_layout shown, const char *to)
 {
     char text[ARRANGEMENT_TEXT];
     key at;
-    kept_layouts_write(self, to);
     for (app_layout i = LAYOUT_PERFORM; i < LAYOUTS; ++i) {
         arrangement one;
-        read_one(&one, to, self->show, i);
+        read_one(&one, in, from, i);
         arrangement_write(&one, text);
-        write_key(at, "", layout_name[i]);
-        settings_set_text(to, at, text);
+        write_key(at, to, layout_name[i]);
+        settings_set_text(in, at, text);
     }
-    write_key(at, "", "layout");
-    settings_set_text(to, at, layout_name[self->of]);
+    write_key(at, to, "layout");
+    settings_set_text(in, at, layout_name[shown]);
+}
+
+void kept_layouts_use_for_new(const kept_layouts *self, settings *to)
+{
+    kept_layouts_write(self, to);
+    copy_layouts(to, self->show, self->of, "");
+}
+
+void kept_layouts_copy(kept_layouts *self, settings *in, const kept_layouts *from)
+{
+    kept_layouts_write(from, in);
+    copy_layouts(in, from->show, from->of, self->show);
+    self->of = from->of;
+    read_one(&self->now, in, self->show, self->of);
+    if (self->show[0])
+        note_recent(self->show, in);
 }

@@ -25,5 +25,7 @@ void kept_layouts_switch(kept_layouts *self, settings *in, app_layout to);
 void kept_layouts_reset(kept_layouts *self);
 /* New shows start with the three layouts of this one. */
 void kept_layouts_use_for_new(const kept_layouts *self, settings *to);
+/* The layouts of another show, of which this one is a copy. */
+void kept_layouts_copy(kept_layouts *self, settings *in, const kept_layouts *from);
 
 #endif

@@ -871,6 +871,14 @@ static float tab_words(const ui *self, const char *const *names, uint32_t first,
     return words;
 }
 
+static float widest_tab(const ui *self, const char *const *names, uint32_t count)
+{
+    float widest = 0.0f;
+    for (uint32_t i = 0; i < count; ++i)
+        widest = ImMax(widest, tab_words(self, names, i, i + 1));
+    return widest;
+}
+
 /* Number of rows of tabs in which the text has enough space. */
 static uint32_t tab_rows(const ui *self, const char *const *names, uint32_t count, float room)
 {
@@ -925,6 +933,8 @@ bool ui_tabs_each(ui *self, const char *id, const char *const *names, uint32_t c
     const uint32_t rows = tab_rows(self, names, count, room), across = (count + rows - 1) / rows;
     ImGui::PushID(id);
     ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(0.0f, 0.0f));
+    const float column = ImFloor(room / static_cast<float>(across)); /* of several rows */
+    const bool is_table = rows > 1 && widest_tab(self, names, count) + 2.0f <= column;
     for (uint32_t first = 0; first < count; first += across) {
         const uint32_t end = ImMin(first + across, count);
         const float even =
@@ -934,7 +944,7 @@ bool ui_tabs_each(ui *self, const char *id, const char *const *names, uint32_t c
             if (i > first)
                 ImGui::SameLine(0.0f, 0.0f);
             const float own = tab_words(self, names, i, i + 1);
-            if (put_tab(self, names[i], ImFloor(own + padding), i == before))
+            if (put_tab(self, names[i], is_table ? column : ImFloor(own + padding), i == before))
                 *index = i;
             if (each)
                 each(data, i);

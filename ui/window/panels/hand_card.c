@@ -74,8 +74,9 @@ static uint32_t between(uint32_t dark, uint32_t lit, float level)
 typedef struct column {
     uint32_t line[HAND_LIGHTS_MAX]; /* from top to bottom */
     uint32_t count;
-    float x, width; /* of the text */
-    bool is_left;   /* left of the hand */
+    float high[HAND_LIGHTS_MAX]; /* height of each line of the card, by its index there */
+    float x, width;              /* of the text */
+    bool is_left;                /* left of the hand */
 } column;
 
 typedef struct layout {
@@ -101,11 +102,17 @@ static float block_height(const ui *on, const hand_card *card, const mrt_card_li
            text_rows(on, UI_STYLE_BODY, line->face, width);
 }
 
-static float column_height(const ui *on, const hand_card *card, const column *of)
+static void measure_column(column *of, const ui *on, const hand_card *card)
+{
+    for (uint32_t i = 0; i < of->count; ++i)
+        of->high[of->line[i]] = block_height(on, card, &card->line[of->line[i]], of->width);
+}
+
+static float column_height(const column *of)
 {
     float high = 0.0f;
     for (uint32_t i = 0; i < of->count; ++i)
-        high += block_height(on, card, &card->line[of->line[i]], of->width);
+        high += of->high[of->line[i]];
     return high;
 }
 
@@ -115,15 +122,14 @@ static uint32_t joint_of(const mrt_card_line *line)
 }
 
 /* Computes the y of the top of each line. */
-static void find_tops(float out_y[HAND_LIGHTS_MAX], const ui *on, ui_rectangle where,
-                      const hand_card *card, const column *of)
+static void find_tops(float out_y[HAND_LIGHTS_MAX], ui_rectangle where, const column *of)
 {
-    const float room = where.height - column_height(on, card, of);
+    const float room = where.height - column_height(of);
     const float gap = fmaxf(fminf(room / (float)(of->count > 0 ? of->count : 1), 18.0f), 0.0f);
     float y = where.y + 0.5f * fmaxf(room - gap * (float)of->count, 0.0f);
     for (uint32_t i = 0; i < of->count; ++i) {
         out_y[i] = y;
-        y += block_height(on, card, &card->line[of->line[i]], of->width) + gap;
+        y += of->high[of->line[i]] + gap;
     }
 }
 
@@ -170,7 +176,7 @@ static void uncross(column *of, const ui *on, const hand_card *card, ui_rectangl
         for (uint32_t i = 0; i < of->count; ++i)
             for (uint32_t k = 0; k < i; ++k) {
                 float top_y[HAND_LIGHTS_MAX];
-                find_tops(top_y, on, where, card, of);
+                find_tops(top_y, where, of);
                 const leader a = leader_of(on, card, of, i, top_y[i], xy),
                              b = leader_of(on, card, of, k, top_y[k], xy);
                 if (!do_cross(&a, &b))
@@ -239,8 +245,9 @@ static bool lay_out(layout *out, const ui *on, const hand_card *card, ui_rectang
             out->column[0].line[out->column[0].count++] = i;
     for (int k = 0; k < 2; ++k) {
         sort_column(&out->column[k], card, xy);
+        measure_column(&out->column[k], on, card);
         uncross(&out->column[k], on, card, where, xy);
-        out->high = fmaxf(out->high, column_height(on, card, &out->column[k]));
+        out->high = fmaxf(out->high, column_height(&out->column[k]));
     }
     return true;
 }
@@ -283,7 +290,7 @@ static void draw_column(ui *on, ui_rectangle where, const hand_card *card, const
                         float xy[MRT_JOINTS][2])
 {
     float top_y[HAND_LIGHTS_MAX];
-    find_tops(top_y, on, where, card, of);
+    find_tops(top_y, where, of);
     for (uint32_t i = 0; i < of->count; ++i) {
         const mrt_card_line *line = &card->line[of->line[i]];
         const leader to_joint = leader_of(on, card, of, i, top_y[i], xy);
@@ -311,7 +318,7 @@ uint32_t hand_card_crossings(const ui *on, ui_rectangle where, const hand_card *
     hand_figure_joints(at.hand, card->skeleton, card->angle_rad, xy);
     for (int k = 0; k < 2; ++k) {
         float top_y[HAND_LIGHTS_MAX];
-        find_tops(top_y, on, where, card, &at.column[k]);
+        find_tops(top_y, where, &at.column[k]);
         for (uint32_t i = 0; i < at.column[k].count; ++i)
             all[count++] = leader_of(on, card, &at.column[k], i, top_y[i], xy);
     }

@@ -554,8 +554,8 @@ static void save_patch(panel *self)
 
 static void draw_head(panel *self, ui *on)
 {
-    static const char *const names[] = {"...",        "faders", "gamepad", "phone",
-                                        "phone_face", "voice",  "none"};
+    static const char *const names[] = {"Choose a patch", "faders", "gamepad", "phone",
+                                        "phone_face",     "voice",  "none"};
     enum { NAMES = sizeof names / sizeof *names };
     uint32_t at = 0;
     const bool is_chosen = ui_choice(on, "Use", LABEL, names, NAMES, &at);

@@ -35,6 +35,7 @@ struct panel {
     bool is_life_held;
     uint32_t played; /* by the mouse; NOBODY: none */
     bool is_drawn;   /* in this frame */
+    ui_rectangle where;
     char search[32];
 };
 
@@ -249,10 +250,17 @@ static void draw_cell(panel *self, ui *on, uint32_t pose, float size, float capt
     const float strength = (float)pose_palette_wanted(of, pose);
     const bool is_learnt = pose_palette_learns(of) == pose;
     ui_canvas at;
-    write_label(name, label);
-    pose_palette_describe(of, name, controls, sizeof controls);
+    if (!self->thumbnail[pose] && self->next == NOBODY)
+        self->next = pose;
     ui_id_begin(on, name);
     ui_canvas_begin(on, "cell", size, size + caption, &at);
+    if (!ui_rectangles_meet(at.where, self->where) && self->played != pose) {
+        ui_canvas_end(on); /* scrolled away */
+        ui_id_end(on);
+        return;
+    }
+    write_label(name, label);
+    pose_palette_describe(of, name, controls, sizeof controls);
     const ui_rectangle picture = {at.where.x, at.where.y, size, size};
     if (at.is_pressed && at.button == 0)
         press(self, pose);
@@ -263,8 +271,6 @@ static void draw_cell(panel *self, ui *on, uint32_t pose, float size, float capt
     ui_draw_box(on, picture, THEME_WELL, 4.0f);
     if (self->thumbnail[pose])
         ui_draw_image(on, picture, self->thumbnail[pose], 1, app_looks_of(self->app)->is_mirrored);
-    else if (self->next == NOBODY)
-        self->next = pose;
     if (strength > 0.0f)
         ui_draw_box(on, (ui_rectangle){picture.x, picture.y + size - 4.0f, size * strength, 4.0f},
                     THEME_ACCENT, 1.0f);
@@ -310,32 +316,32 @@ static void draw_group(panel *self, ui *on, group of)
     static const char *const title[GROUPS] = {"Favourites", "Mouths", "Upper halves",
                                               "Whole faces"};
     const uint32_t count = pose_palette_count(app_poses(self->app));
-    uint32_t found = 0;
+    uint32_t list[PALETTE_POSES_MAX], found = 0;
     for (uint32_t i = 0; i < count; ++i)
-        found += is_in(self, i, of);
+        if (is_in(self, i, of))
+            list[found++] = i;
     if (found == 0 || !ui_section(on, title[of], true))
         return;
     const float room = ui_available_width(on);
     const uint32_t column_count = (uint32_t)fmaxf(floorf((room + gap) / (cell_least + gap)), 1.0f);
     const float size = floorf((room + gap) / (float)column_count - gap);
-    uint32_t column = 0;
     float caption = line + 1.0f;
-    for (uint32_t i = 0; i < count; ++i) {
+    for (uint32_t i = 0; i < found; ++i) {
         char label[LABEL_TEXT];
-        write_label(self->poses[i].name, label);
-        if (is_in(self, i, of) && ui_text_width(on, UI_STYLE_BODY, label) > size)
+        write_label(self->poses[list[i]].name, label);
+        if (ui_text_width(on, UI_STYLE_BODY, label) > size) {
             caption = 2.0f * line + 1.0f;
+            break;
+        }
     }
     ui_id_begin(on, title[of]);
-    for (uint32_t i = 0; i < count; ++i) {
-        if (!is_in(self, i, of))
-            continue;
+    for (uint32_t i = 0; i < found; ++i) {
+        const uint32_t column = i % column_count;
         if (column > 0) {
             ui_same_line(on);
             ui_at(on, (float)column * (size + gap));
         }
-        draw_cell(self, on, i, size, caption);
-        column = (column + 1) % column_count;
+        draw_cell(self, on, list[i], size, caption);
     }
     ui_id_end(on);
 }
@@ -478,6 +484,7 @@ static void draw_life(panel *self, ui *on)
 static void draw(panel *self, ui *on, ui_rectangle where)
 {
     pose_palette *of = app_poses(self->app);
+    self->where = where;
     pose_palette_want(of);
     follow_face(self);
     if (!self->is_held)

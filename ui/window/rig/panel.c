@@ -140,7 +140,7 @@ static void draw_brush(panel *self, ui *on)
 
 enum { WORDS = 400, BONE_ITEMS = RIG_BONES_MAX + 1 };
 static const float chip_width = 8.0f, size_width = 62.0f;
-static const float list_least = 150.0f, list_most = 420.0f; /* height in points */
+static const float list_least = 150.0f; /* height in points */
 static const float below_list = 235.0f,
                    below_list_chosen = 405.0f; /* height of the widgets below the list */
 
@@ -243,16 +243,18 @@ static void draw_size(const panel *self, ui *on, uint32_t index)
     ui_hint(on, "Number of vertices of the region.");
 }
 
-static float list_height(const panel *self, const ui *on)
+/* Of a list with `count` rows: what is left above the widgets below it, at most all rows. */
+static float list_height(const ui *on, uint32_t count, float below, float least)
 {
-    float below = self->region == RIG_NONE ? below_list : below_list_chosen;
-    float left = ui_available_height(on) - below;
-    return left < list_least ? list_least : left > list_most ? list_most : left;
+    const float left = ui_available_height(on) - below;
+    const float all = (float)count * (ui_row_height(on) + 4.0f);
+    return fmaxf(fminf(left, all), least);
 }
 
 static void draw_region_list(panel *self, ui *on, const rig *r)
 {
-    ui_scroll_begin(on, "regions", 0.0f, list_height(self, on));
+    const float below = self->region == RIG_NONE ? below_list : below_list_chosen;
+    ui_scroll_begin(on, "regions", 0.0f, list_height(on, r->region_count, below, list_least));
     for (uint32_t i = 0; i < r->region_count; ++i) {
         char label[180];
         label_of(r, i, label, sizeof label);
@@ -474,20 +476,12 @@ static void draw_regions(panel *self, ui *on)
 /* ---- contacts: list and selected contact ---- */
 
 static const float vertex_width = 62.0f;
-static const float contact_list_least = 130.0f, contact_list_most = 480.0f,
-                   below_contact_list = 175.0f; /* height in points */
-
-static float contact_list_height(const ui *on)
-{
-    float left = ui_available_height(on) - below_contact_list;
-    return left < contact_list_least  ? contact_list_least
-           : left > contact_list_most ? contact_list_most
-                                      : left;
-}
+static const float contact_list_least = 130.0f, below_contact_list = 175.0f; /* height in points */
 
 static void draw_contact_list(panel *self, ui *on, const rig *r)
 {
-    ui_scroll_begin(on, "contacts", 0.0f, contact_list_height(on));
+    ui_scroll_begin(on, "contacts", 0.0f,
+                    list_height(on, r->contact_count, below_contact_list, contact_list_least));
     for (uint32_t i = 0; i < r->contact_count; ++i) {
         char label[160], vertex[32];
         (void)snprintf(label, sizeof label, "%s##contact%u", r->contact[i].name, i);
@@ -1214,6 +1208,7 @@ static void draw_tabs(panel *self, ui *on)
         self->shown.is_tint_new = self->shown.is_shape_new = true;
     if (self->trouble[0])
         ui_text_wrapped(on, UI_STYLE_BAD, self->trouble);
+    ui_space(on, 6.0f);
     ui_scroll_begin(on, names[self->tab] == check ? "check" : names[self->tab], 0.0f, 0.0f);
     draw_tab[self->tab](self, on);
     ui_scroll_end(on);
