@@ -188,8 +188,9 @@ vec2 tap(int i)
 }
 #endif
 
-// How much of the key light comes by what is near. width: of the edge of a shadow, 1: as the lamp is.
-float key_visibility(vec3 normal, float width)
+// How much of the key light comes by what is near. width: of the edge of a shadow, 1: as the lamp is;
+// count: of places looked at.
+float key_visibility(vec3 normal, float width, int count)
 {
     float facing = dot(normal, light_direction[0]);
     float slant = sqrt(max(0.0, 1.0 - facing * facing));
@@ -198,9 +199,9 @@ float key_visibility(vec3 normal, float width)
     vec3 place = (shadow_projection * vec4(from, 1.0)).xyz;
     vec2 reach = reach_texels / vec2(textureSize(shadow_map, 0));
     float seen = 0.0;
-    for (int i = 0; i < tap_count; ++i)
+    for (int i = 0; i < count; ++i)
         seen += texture(shadow_map, vec3(place.xy + tap(i) * reach, place.z));
-    return seen / float(tap_count);
+    return seen / float(count);
 }
 
 float fifth_power(float x)
@@ -213,11 +214,11 @@ float fifth_power(float x)
 float contact(vec3 normal)
 {
 #if defined(FELT)
-    return mix(0.58, 1.0, key_visibility(normal, 3.2));
+    return mix(0.58, 1.0, key_visibility(normal, 3.2, (tap_count + 1) / 2));
 #elif defined(STONE) || defined(PAINTED)
     return 1.0;
 #else
-    return cornea > 0.0 ? mix(0.42, 1.0, key_visibility(normal, 3.2)) : 1.0;
+    return cornea > 0.0 ? mix(0.42, 1.0, key_visibility(normal, 3.2, (tap_count + 1) / 2)) : 1.0;
 #endif
 }
 
@@ -337,7 +338,7 @@ void main()
     colour = vec4(encode_srgb(base + glow), shown_alpha);
 #elif defined(TOON)
     // VRMC_materials_mtoon: one step, from the shade's colour to the base's
-    float facing = dot(normal, light_direction[0]) * key_visibility(normal, 1.0) + toon.x;
+    float facing = dot(normal, light_direction[0]) * key_visibility(normal, 1.0, tap_count) + toon.x;
     float lit = clamp((facing + 1.0 - toon.y) / max(2.0 - 2.0 * toon.y, 1e-3), 0.0, 1.0);
     colour = vec4(encode_srgb(mix(shade * paint.rgb, base, lit) + glow), shown_alpha);
 #else
@@ -382,7 +383,7 @@ void main()
     vec3 mirror = mix(vec3(0.04), base, metal);
 #endif
     vec3 diffuse = base * (1.0 - metal);
-    float visible[3] = float[3](max(key_visibility(normal, 1.0), bounce), mix(0.35, 1.0, open), open);
+    float visible[3] = float[3](max(key_visibility(normal, 1.0, tap_count), bounce), mix(0.35, 1.0, open), open);
     vec3 light = room * reflect_room(normal, to_eye, diffuse, mirror, rough, mix(0.12, 1.0, open) * contact(normal));
     for (int i = 0; i < 3; ++i)
         light += visible[i] * light_colour[i] *
