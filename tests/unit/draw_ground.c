@@ -75,6 +75,56 @@ static void edges_have_the_colour_of_the_face(void **state)
     }
 }
 
+/* A ball of felt, `right_mm` beside the middle; the sum of its alpha in pixels. */
+static double draw_felt(const char *material, float right_mm, const float *ground, uint8_t *out)
+{
+    error err;
+    const draw_camera camera = {{-right_mm, 0, 0}, 800, 0, 0, 0.5f};
+    mesh m = shapes_balls(&(ball){{0, 0, 0}, 100}, 1);
+    m.material[0].name = strdup(material);
+    m.material[0].roughness = 0.9f;
+    m.material[0].has_roughness = true;
+    draw_face *face = draw_face_create(&m, &err);
+    assert_non_null(face);
+    draw_ground(renderer, ground);
+    draw_render(renderer, target, face, &camera, 0, 0, SIDE, SIDE);
+    draw_read(target, out);
+    draw_face_destroy(face);
+    mesh_destroy(&m);
+    double sum = 0.0;
+    for (uint32_t i = 0; i < PIXELS; ++i)
+        sum += out[i * 4 + 3] / 255.0;
+    return sum;
+}
+
+static void fibres_stand_out_of_thick_felt(void **state)
+{
+    (void)state;
+    static const float nothing[4] = {0};
+    const double shorn = draw_felt("lid", 0.0f, nothing, on_wall);
+    const double felt = draw_felt("felt", 0.0f, nothing, picture);
+    assert_true(felt > shorn + 60.0 && felt < 1.06 * shorn);
+    for (uint32_t i = 0; i < PIXELS; ++i) {
+        const uint8_t *p = picture + i * 4;
+        if (p[3] > 0)
+            assert_true(p[0] + p[1] + p[2] > 40);
+        assert_true(p[3] >= on_wall[i * 4 + 3]);
+    }
+}
+
+static void fibres_leave_no_trace_where_the_face_was(void **state)
+{
+    (void)state;
+    error err;
+    draw_felt("felt", 0.0f, NULL, picture);
+    draw_felt("felt", 14.0f, NULL, picture);
+    draw_target_destroy(target);
+    target = draw_target_create(SIDE, SIDE, &err);
+    assert_non_null(target);
+    draw_felt("felt", 14.0f, NULL, on_wall);
+    assert_memory_equal(picture, on_wall, sizeof picture);
+}
+
 static void the_wall_is_back_and_opaque(void **state)
 {
     (void)state;
@@ -110,6 +160,8 @@ int main(void)
         cmocka_unit_test(a_colour_is_behind_the_face_exactly),
         cmocka_unit_test(nothing_behind_the_face_is_no_alpha),
         cmocka_unit_test(edges_have_the_colour_of_the_face),
+        cmocka_unit_test(fibres_stand_out_of_thick_felt),
+        cmocka_unit_test(fibres_leave_no_trace_where_the_face_was),
         cmocka_unit_test(the_wall_is_back_and_opaque),
     };
     error err;

@@ -71,6 +71,26 @@ static void mouths_are_wet(void **state)
     assert_true(surface_named("nose", 0.6f, 0).coat < 0.1f);
 }
 
+static void the_lamps_are_seen_in_eyes(void **state)
+{
+    (void)state;
+    assert_true(surface_named("eye.l.iris", 0.12f, 0).cornea > 0.9f);
+    assert_true(surface_named("Eyeball", 0.3f, 0).cornea > 0.9f);
+    assert_true(surface_named("eye.l", 0.7f, 0).cornea == 0.0f); /* of cloth */
+    assert_true(surface_named("teeth_upper", 0.35f, 0).cornea == 0.0f);
+}
+
+static void only_thick_felt_has_a_nap(void **state)
+{
+    (void)state;
+    assert_true(surface_named("skin", 0.88f, 0).has_nap);
+    assert_true(surface_named("brow.l", 0.95f, 0).has_nap);
+    assert_false(surface_named("lid_upper.l", 0.88f, 0).has_nap);
+    assert_false(surface_named("skin.lips", 0.88f, 0).has_nap);
+    assert_false(surface_named("stone", 0.95f, 0).has_nap);
+    assert_false(surface_named("skin", 0.6f, 0).has_nap); /* of people */
+}
+
 static void metal_is_metal(void **state)
 {
     (void)state;
@@ -87,6 +107,8 @@ int main(void)
         cmocka_unit_test(words_are_whole_words),
         cmocka_unit_test(what_is_smoother_is_smooth),
         cmocka_unit_test(mouths_are_wet),
+        cmocka_unit_test(the_lamps_are_seen_in_eyes),
+        cmocka_unit_test(only_thick_felt_has_a_nap),
         cmocka_unit_test(metal_is_metal),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -194,8 +194,10 @@ static const float hard_roughness = 0.4f; /* smoother materials let no light in 
 static const char *const felt_words[] = {"felt",    "fleece", "wool",   "fur",  "hair",
                                          "cloth",   "foam",   "fabric", "skin", "brow",
                                          "eyebrow", "lid",    "eyelid", "ear"};
+static const char *const shorn_words[] = {"lid", "eyelid", "lip"}; /* thin felt without fuzz */
 static const char *const stone_words[] = {"stone", "rock", "moai", "clay", "plaster", "concrete"};
 static const char *const mouth_words[] = {"tooth", "teeth", "gum", "tongue", "mouth"};
+static const char *const eye_words[] = {"eye", "eyeball", "iris", "pupil", "sclera", "cornea"};
 
 static bool is_letter(char c)
 {
@@ -247,6 +249,7 @@ surface surface_of(const mesh_material *material)
             s.kind = SURFACE_STONE;
         else if (material->has_roughness && HAS_ANY(material->name, felt_words))
             s.kind = SURFACE_FELT;
+        s.has_nap = s.kind == SURFACE_FELT && !HAS_ANY(material->name, shorn_words);
         return s;
     }
     bool is_wet = s.is_in_mouth || (material->name && has_word(material->name, "lip"));
@@ -255,6 +258,8 @@ surface surface_of(const mesh_material *material)
     else if (is_wet)
         s.softness = 0.4f; /* teeth are not stone either */
     s.coat = is_wet ? 1.0f : 0.0f;
+    s.cornea =
+        material->roughness <= hard_roughness && HAS_ANY(material->name, eye_words) ? 1.0f : 0.0f;
     return s;
 }
 
@@ -563,8 +568,10 @@ static void lay_out_batches(draw_face *self, const mesh *m)
                                   .look = *look,
                                   .surface = surface_of(look),
                                   .is_clear = clear == 1};
-            if (m->colour)
+            if (m->colour) {
                 batch->surface.kind = SURFACE_PAINTED;
+                batch->surface.has_nap = false;
+            }
             batch->look.name = NULL;
             next += index_count;
         }

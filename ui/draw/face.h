@@ -15,7 +15,7 @@
 typedef enum surface_kind {
     SURFACE_SMOOTH = 0,
     SURFACE_STONE,   /* pores, weathering, grain */
-    SURFACE_FELT,    /* fibres, pale fuzz at the edges */
+    SURFACE_FELT,    /* fibres, fuzz at the edges, contact shadows */
     SURFACE_PAINTED, /* smooth, with the features of the file: textures, vertex colours, toon, unlit
                       */
     SURFACE_KINDS
@@ -25,6 +25,8 @@ typedef struct surface {
     surface_kind kind;
     float softness;   /* 0..1: light that enters the surface: latex, foam, skin */
     float coat;       /* 0..1: wet film on the surface */
+    float cornea;     /* 0..1: the lamps are seen in it: eyes */
+    bool has_nap;     /* felt whose fibres stand out at its edge */
     bool is_in_mouth; /* shown only when the mouth is open */
 } surface;
 surface surface_of(const mesh_material *material);

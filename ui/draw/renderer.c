@@ -11,6 +11,10 @@
 enum { SHADOW_MIN = 512, SHADOW_MAX = 1024 };
 static const float shadow_reach = 4.5f / SHADOW_MAX; /* share of the map: softness of shadows */
 
+/* Length of the fibres, as a share of the height of the face; layers that show them. */
+static const float nap_share = 0.0075f;
+enum { NAP_LAYERS = 4, NAP_LAYERS_IN_SOFTWARE = 2 };
+
 static void find_face_uniforms(renderer_face_program *out)
 {
     GLuint p = out->program;
@@ -32,6 +36,9 @@ static void find_face_uniforms(renderer_face_program *out)
     out->has_own_colours = glGetUniformLocation(p, "has_own_colours");
     out->softness = glGetUniformLocation(p, "softness");
     out->coat = glGetUniformLocation(p, "coat");
+    out->cornea = glGetUniformLocation(p, "cornea");
+    out->nap_mm = glGetUniformLocation(p, "nap_mm");
+    out->nap_layers = glGetUniformLocation(p, "nap_layers");
     out->bounce = glGetUniformLocation(p, "bounce");
     static const char *const textures[FACE_TEXTURES] = {"base_map", "normal_map", "emission_map",
                                                         "rough_metal_map"};
@@ -71,6 +78,7 @@ static mrt_result create_programs(draw_renderer *self, error *err)
         [LOOK_SMOOTH] = "#define OWN_COLOURS\n",
         [LOOK_STONE] = "#define STONE\n",
         [LOOK_FELT] = "#define FELT\n",
+        [LOOK_FUZZ] = "#define FELT\n#define FUZZ\n",
         [LOOK_PAINTED] = PAINTED,
         [LOOK_PAINTED_BENT] = PAINTED BENT,
         [LOOK_PAINTED_ALL] = PAINTED BENT GLOW "#define ROUGH_METAL\n",
@@ -369,6 +377,7 @@ static void draw_batch(const draw_renderer *self, const draw_face *face, const f
     glUniform1f(u->metallic, own ? 0.0f : batch->look.metallic);
     glUniform1f(u->softness, own ? 0.0f : batch->surface.softness);
     glUniform1f(u->coat, own ? 0.0f : batch->surface.coat);
+    glUniform1f(u->cornea, own ? 0.0f : batch->surface.cornea);
     glUniform1f(u->bounce, batch->surface.is_in_mouth && !own ? mouth_bounce : 0.0f);
     if (look >= LOOK_PAINTED) {
         set_painted(self, u, face, batch, which);
@@ -397,6 +406,33 @@ static void draw_solid(const draw_renderer *self, const draw_face *face)
         if (is_used && !is_drawn_clear(face, batch))
             draw_batch(self, face, batch, PASS_SOLID);
     }
+}
+
+/* Draws the fibres that stand out of the felt where it ends: the inside of shells around it. What
+ * is in front of the felt is culled, the rest hidden by it, so that few pixels are shaded. */
+static void draw_fuzz(const draw_renderer *self, const draw_face *face)
+{
+    const renderer_face_program *u = &self->face[LOOK_FUZZ];
+    const GLsizei layers = gl_is_llvmpipe() ? NAP_LAYERS_IN_SOFTWARE : NAP_LAYERS;
+    if (face->triangle_count == 0 || face->colour_buffer)
+        return;
+    glUseProgram(u->program);
+    glUniform1f(u->nap_mm, nap_share * face->height_mm);
+    glUniform1f(u->nap_layers, (GLfloat)layers);
+    glEnable(GL_CULL_FACE);
+    glCullFace(GL_FRONT);
+    for (uint32_t i = 0; i < face->batch_count; ++i) {
+        const face_batch *batch = &face->batch[i];
+        if (!batch->surface.has_nap || batch->is_clear || batch->index_count == 0)
+            continue;
+        glUniform4fv(u->base_colour, 1, batch->look.base_colour);
+        glUniform1f(u->roughness, batch->look.roughness);
+        glUniform1f(u->metallic, batch->look.metallic);
+        glDrawElementsInstanced(GL_TRIANGLES, batch->index_count, GL_UNSIGNED_INT,
+                                (const void *)(batch->first_index * sizeof(GLuint)), layers);
+    }
+    glCullFace(GL_BACK);
+    glDisable(GL_CULL_FACE);
 }
 
 static float distance_of(const face_batch *batch, const float eye[3])
@@ -452,6 +488,7 @@ static void draw_face_lit(const draw_renderer *self, const draw_face *face, cons
     glEnable(GL_DEPTH_TEST);
     glPointSize(4.0f * (float)v->side);
     draw_solid(self, face);
+    draw_fuzz(self, face);
     if (!self->has_ground)
         draw_wall(self, v);
     glBindVertexArray(face->vertex_array);
@@ -474,7 +511,10 @@ static bool describe_scene(target_scene *out, const draw_renderer *self, const G
  * margin for rounding. */
 static void find_covered(GLint out[4], const draw_face *face, const view *v)
 {
-    const float margin = 4.0f, size[2] = {(float)v->width, (float)v->height};
+    const float up = v->camera.distance_mm * tanf(0.5f * v->camera.field_of_view_rad);
+    const float nap = 2.0f * nap_share * face->height_mm / (up > 1e-3f ? up : 1e-3f);
+    const float margin = 4.0f + 0.5f * nap * (float)v->height,
+                size[2] = {(float)v->width, (float)v->height};
     const matrix4 projection =
         camera_projection(&v->camera, size[0] / size[1], face->centre, face->radius_mm);
     float at[4];

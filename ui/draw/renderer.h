@@ -13,7 +13,8 @@ typedef struct renderer_face_program {
     GLint projection, eye, base_colour, roughness, metallic, grain_scale, light_direction;
     GLint shadow_projection, shadow_map, shadow_texel_mm, shadow_reach_texels, origin, side,
         has_own_colours, light_colour, room;
-    GLint softness, coat, bounce;
+    GLint softness, coat, cornea, bounce;
+    GLint nap_mm, nap_layers;                             /* of fuzz */
     GLint texture[FACE_TEXTURES], uv_transform, has_tint; /* of painted surfaces */
     GLint emission, normal_scale, shade, toon, alpha_range;
 } renderer_face_program;
@@ -24,6 +25,7 @@ typedef enum renderer_look {
     LOOK_SMOOTH = 0,
     LOOK_STONE,
     LOOK_FELT,
+    LOOK_FUZZ,         /* fibres around felt, where it ends */
     LOOK_PAINTED,      /* with base texture and vertex colours */
     LOOK_PAINTED_BENT, /* and with a normal map */
     LOOK_PAINTED_ALL,  /* and with emission, roughness and metal */

@@ -1,8 +1,11 @@
 // A face in a studio: key light with a soft shadow, fill, rim, light from the room; GGX for what
 // shines, pores and weather for stone, fibres and fuzz for felt, warm edges of the light for what it
-// goes under. Everything is in linear light until the last line.
+// goes under, the lamps themselves in eyes. Everything is in linear light until the last line.
 in vec3 v_position, v_normal, v_rest;
 in float v_openness;
+#ifdef FUZZ
+in float v_layer;
+#endif
 #ifdef OWN_COLOURS
 in vec3 v_colour;
 uniform bool has_own_colours; // v_colour instead of base_colour
@@ -12,6 +15,7 @@ uniform vec3 eye;            // mm
 uniform vec4 base_colour;    // linear
 uniform float roughness, metallic;
 uniform float softness, coat; // light goes under it; a wet film over it
+uniform float cornea;       // 0..1: a clear ball over it, in which the lamps are seen
 uniform float bounce; // share of the key light that reaches it in the shadow too: in a mouth
 uniform float grain_scale;   // 1 / height of the face, 1/mm
 uniform vec3 light_direction[3]; // key, fill, rim: towards the light
@@ -184,23 +188,38 @@ vec2 tap(int i)
 }
 #endif
 
-float key_visibility(vec3 normal)
+// How much of the key light comes by what is near. width: of the edge of a shadow, 1: as the lamp is;
+// count: of places looked at.
+float key_visibility(vec3 normal, float width, int count)
 {
     float facing = dot(normal, light_direction[0]);
     float slant = sqrt(max(0.0, 1.0 - facing * facing));
-    vec3 from = v_position + normal * shadow_texel_mm * (1.0 + 0.8 * shadow_reach_texels * slant);
+    float reach_texels = shadow_reach_texels * width;
+    vec3 from = v_position + normal * shadow_texel_mm * (1.0 + 0.8 * reach_texels * slant);
     vec3 place = (shadow_projection * vec4(from, 1.0)).xyz;
-    vec2 reach = shadow_reach_texels / vec2(textureSize(shadow_map, 0));
+    vec2 reach = reach_texels / vec2(textureSize(shadow_map, 0));
     float seen = 0.0;
-    for (int i = 0; i < tap_count; ++i)
+    for (int i = 0; i < count; ++i)
         seen += texture(shadow_map, vec3(place.xy + tap(i) * reach, place.z));
-    return seen / float(tap_count);
+    return seen / float(count);
 }
 
 float fifth_power(float x)
 {
     float square = x * x;
     return square * square * x;
+}
+
+// Light from the room that lids, brows and a nose keep from what they stand over.
+float contact(vec3 normal)
+{
+#if defined(FELT)
+    return mix(0.58, 1.0, key_visibility(normal, 3.2, (tap_count + 1) / 2));
+#elif defined(STONE) || defined(PAINTED)
+    return 1.0;
+#else
+    return cornea > 0.0 ? mix(0.42, 1.0, key_visibility(normal, 3.2, (tap_count + 1) / 2)) : 1.0;
+#endif
 }
 
 // How far each colour of the light reaches around the edge of the lit side: the lights are large,
@@ -235,13 +254,24 @@ vec3 reflect_light(vec3 normal, vec3 to_eye, vec3 to_light, vec3 diffuse, vec3 m
 #ifdef FELT
     // Fibres that stand up at the edge catch the light from behind too.
     float away = 1.0 - max(dot(normal, to_eye), 0.0);
-    out_light += (0.55 * diffuse + 0.05) * away * away * (0.35 + 0.65 * max(facing + 0.4, 0.0)) * 0.42;
+    out_light += (0.75 * diffuse + 0.035) * away * away * (0.35 + 0.65 * max(facing + 0.4, 0.0)) * 0.6;
 #else
     if (coat > 0.0)
         out_light += coat * (0.04 + 0.96 * fifth_power(1.0 - v_h)) * shine(normal, to_eye, to_light, n_l, 0.22);
 #endif
     return out_light;
 }
+
+#if !defined(FELT) && !defined(STONE) && !defined(PAINTED)
+// The key lamp and, fainter, the fill in a wet ball: sheets of light with soft edges.
+vec3 lamps_in(vec3 normal, vec3 to_eye)
+{
+    vec3 seen = reflect(-to_eye, normal);
+    float key = smoothstep(0.895, 0.925, dot(seen, light_direction[0]));
+    float fill = smoothstep(0.955, 0.985, dot(seen, light_direction[1]));
+    return key * light_colour[0] * 0.30 + fill * light_colour[1] * 0.8;
+}
+#endif
 
 // The room: light from above and a little from the floor, seen dully in what shines.
 vec3 reflect_room(vec3 normal, vec3 to_eye, vec3 diffuse, vec3 mirror, float rough, float open)
@@ -270,9 +300,13 @@ void main()
 {
     vec3 to_eye = normalize(eye - v_position);
     vec3 normal = length(v_normal) > 1e-6 ? normalize(v_normal) : to_eye;
-    if (!gl_FrontFacing)
+    bool is_front = gl_FrontFacing;
+#ifdef FUZZ
+    is_front = true; // what is seen of it is the inside of a shell around the felt
+#endif
+    if (!is_front)
         normal = -normal;
-    float open = gl_FrontFacing ? smoothstep(0.0, 1.0, clamp(v_openness, 0.0, 1.0)) : 0.6;
+    float open = is_front ? smoothstep(0.0, 1.0, clamp(v_openness, 0.0, 1.0)) : 0.6;
     float rough = clamp(roughness, 0.12, 1.0);
     vec3 base = base_colour.rgb;
 #ifdef OWN_COLOURS
@@ -304,7 +338,7 @@ void main()
     colour = vec4(encode_srgb(base + glow), shown_alpha);
 #elif defined(TOON)
     // VRMC_materials_mtoon: one step, from the shade's colour to the base's
-    float facing = dot(normal, light_direction[0]) * key_visibility(normal) + toon.x;
+    float facing = dot(normal, light_direction[0]) * key_visibility(normal, 1.0, tap_count) + toon.x;
     float lit = clamp((facing + 1.0 - toon.y) / max(2.0 - 2.0 * toon.y, 1e-3), 0.0, 1.0);
     colour = vec4(encode_srgb(mix(shade * paint.rgb, base, lit) + glow), shown_alpha);
 #else
@@ -321,14 +355,24 @@ void main()
     base = weather(base, normal) * max(1.0 + grain.x, 0.2) * mix(0.5, 1.06, open); // dirt stays where no hand gets
     normal = normalize(normal - (grain.yzw - normal * dot(grain.yzw, normal)));
 #endif
+#ifdef FUZZ
+    // A fibre is where the noise is high; fewer are as long as the layer is high.
+    vec3 hair = turned * v_rest * grain_scale;
+    float nap = 0.45 * noise(hair * 110.0).x + 0.75 * noise(hair.zxy * 310.0).x;
+    if (nap < mix(-0.95, 0.5, v_layer))
+        discard;
+    normal = normalize(normal - to_eye * (dot(normal, to_eye) - 0.25)); // the fibres are seen from the side
+    open = max(open, 0.7);
+#endif
 #ifdef FELT
     vec4 grain = vec4(0.0);
     vec3 p = turned * v_rest * grain_scale;
     vec4 broad = noise(p * 9.0);
-    vec3 bent = p * 115.0 + 1.4 * broad.yzw + 0.55 * noise(p * 31.0).yzw;
+    vec3 bent = p * 115.0 + 1.4 * broad.yzw;
     grain += vec4(0.07, vec3(0.012)) * vec4(broad.x, broad.yzw * turned);
+    add_grain(58.0, 0.10, 0.022, grain); // flocks, seen from afar too
+    add_grain(150.0, 0.16, 0.05, grain);
     add_fibres(bent, vec3(1.0, 0.30, 0.62), grain);
-    add_fibres(bent.yzx * 1.13, vec3(1.0, 0.34, 0.55), grain);
     base *= max(1.0 + grain.x, 0.2) * mix(0.62, 1.05, open);
     normal = normalize(normal - (grain.yzw - normal * dot(grain.yzw, normal)));
 #endif
@@ -339,11 +383,15 @@ void main()
     vec3 mirror = mix(vec3(0.04), base, metal);
 #endif
     vec3 diffuse = base * (1.0 - metal);
-    float visible[3] = float[3](max(key_visibility(normal), bounce), mix(0.35, 1.0, open), open);
-    vec3 light = room * reflect_room(normal, to_eye, diffuse, mirror, rough, mix(0.12, 1.0, open));
+    float visible[3] = float[3](max(key_visibility(normal, 1.0, tap_count), bounce), mix(0.35, 1.0, open), open);
+    vec3 light = room * reflect_room(normal, to_eye, diffuse, mirror, rough, mix(0.12, 1.0, open) * contact(normal));
     for (int i = 0; i < 3; ++i)
         light += visible[i] * light_colour[i] *
                  reflect_light(normal, to_eye, light_direction[i], diffuse, mirror, rough);
+#if !defined(FELT) && !defined(STONE) && !defined(PAINTED)
+    if (cornea > 0.0)
+        light += cornea * mix(0.25, 1.0, visible[0]) * lamps_in(normal, to_eye);
+#endif
 #ifdef EMISSION
     light += glow;
 #endif

@@ -13,13 +13,23 @@ uniform bool has_tint;
 out vec4 v_tint;
 out vec2 v_uv;
 #endif
+#ifdef FUZZ
+uniform float nap_mm; // length of the fibres
+uniform float nap_layers;
+out float v_layer; // 0..1, up the fibres
+#endif
 uniform mat4 projection;
 out vec3 v_position, v_normal, v_rest;
 out float v_openness;
 
 void main()
 {
-    v_position = position;
+    vec3 place = position;
+#ifdef FUZZ
+    v_layer = (float(gl_InstanceID) + 1.0) / (nap_layers + 1.0);
+    place += normal * nap_mm * v_layer;
+#endif
+    v_position = place;
     v_normal = normal;
     v_rest = rest;
     v_openness = openness;
@@ -30,5 +40,5 @@ void main()
     v_tint = has_tint ? tint : vec4(1.0);
     v_uv = uv;
 #endif
-    gl_Position = projection * vec4(position, 1.0);
+    gl_Position = projection * vec4(place, 1.0);
 }
