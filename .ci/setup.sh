@@ -159,7 +159,7 @@ setup_package() {
         --mtime="@$(dpkg-parsechangelog -l "$here/debian/changelog" -S Timestamp)" "marotte-$version"
     setup_step packaging 0 env --chdir="$made/marotte-$version" dpkg-buildpackage --no-sign "$@"
     rm -r "$made/marotte-$version"
-    (cd "$made" && du -k --apparent-size ./*.deb | sed "s|\t\./| KiB  ${made#"$PWD"/}/|")
+    (cd "$here" && du -k --apparent-size build/package/*.deb | sed 's/\t/ KiB  /')
 }
 
 # setup_install_tests [PACKAGE...]: installs what all tests need, and each PACKAGE. npm is only installed to fetch its

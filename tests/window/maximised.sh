@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The window under a window manager: maximised it comes back maximised, and as it was it comes back as it was.
+# The window under a window manager: it has its icon; maximised it comes back maximised, and as it was it comes back as it was.
 for program in openbox wmctrl xprop; do
     command -v "$program" >/dev/null && continue
     echo "SKIPPED: $program is not installed (packages openbox, wmctrl, x11-utils)"
@@ -37,6 +37,10 @@ quit() { # the key comes after what the window was told before
 }
 
 open_again
+if command -v rsvg-convert >/dev/null; then # the build made the icons
+    xprop -id "$(windows | head -n 1)" -len 64 32c _NET_WM_ICON >icon.txt
+    grep -q '= 16, 16' icon.txt || fail "it has no icon: $(cat icon.txt)"
+fi
 is_maximised && fail "it begins maximised"
 wmctrl -r marotte -b add,maximized_vert,maximized_horz
 until_true is_maximised || fail "it cannot be maximised: $(state)"
