@@ -1,4 +1,5 @@
 #include "draw/annotations.h"
+#include "base/installed.h"
 #include "draw/gl.h"
 #include "draw/target.h"
 
@@ -7,6 +8,7 @@
 #include FT_OUTLINE_H
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -36,6 +38,7 @@ enum {
 static const float size_min_px = 4.0f, size_max_px = 256.0f;
 
 const char *const letters_fonts[] = {
+    "fonts/Inter-Medium.otf", /* installed with the portable folder */
     "/usr/share/fonts/opentype/inter/Inter-Medium.otf",
     "/usr/share/fonts/opentype/inter/Inter-Regular.otf",
     "/usr/share/fonts/inter/Inter-Regular.otf",
@@ -60,8 +63,8 @@ typedef struct corner {
 
 struct letters {
     FT_Library library;
-    FT_Face face; /* NULL: no font */
-    const char *path;
+    FT_Face face;                /* NULL: no font */
+    char path[INSTALLED_LENGTH]; /* of its font; "": none */
     GLuint program, atlas, vertex_array, vertex_buffer;
     GLint target_size, ink;
     glyph glyphs[GLYPHS_MAX];
@@ -74,18 +77,22 @@ struct letters {
 static void open_font(letters *self, const char *const *paths)
 {
     for (; *paths; ++paths) {
-        if (FT_New_Face(self->library, *paths, 0, &self->face) != 0) {
+        if (**paths == '/')
+            (void)snprintf(self->path, sizeof self->path, "%s", *paths);
+        else if (!installed_data(self->path, *paths))
+            continue;
+        if (FT_New_Face(self->library, self->path, 0, &self->face) != 0) {
             self->face = NULL;
             continue;
         }
         if (FT_IS_SCALABLE(self->face) && self->face->units_per_EM > 0 &&
             self->face->ascender > self->face->descender) {
-            self->path = *paths;
             return;
         }
         FT_Done_Face(self->face);
         self->face = NULL;
     }
+    self->path[0] = '\0';
 }
 
 static mrt_result create_letter_program(letters *self, error *err)
@@ -146,7 +153,7 @@ void letters_destroy(letters *self)
 
 const char *letters_font(const letters *self)
 {
-    return self->path;
+    return self->path[0] ? self->path : NULL;
 }
 
 /* Returns the next code point of UTF-8, or U+FFFD for invalid bytes. Never passes the final 0. */

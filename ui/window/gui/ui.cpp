@@ -1,6 +1,7 @@
 /* The facade over Dear ImGui; beside it only ui_damage.cpp knows it. */
 extern "C" {
 #include "window/gui/ui.h"
+#include "base/installed.h"
 #include "draw/gl.h"
 #include "window/gui/theme.h"
 #include "window/gui/ui_notes.h"
@@ -17,6 +18,7 @@ extern "C" {
 #include <cstdlib>
 #include <cstring>
 #include <new>
+#include <unistd.h>
 
 constexpr int UI_PANELS_MAX = 32;
 constexpr int UI_POPUPS_MAX = 8;
@@ -360,18 +362,23 @@ float ui_text_height(const ui *self, ui_style style)
 /* Line height of Inter relative to its em. */
 constexpr float LINE_PER_EM = 1.21f;
 
+/* Those without a '/' in front are installed with the portable folder. */
 static const char *const regular_paths[] = {
+    "fonts/Inter-Regular.otf",
     "/usr/share/fonts/opentype/inter/Inter-Regular.otf",
     "/usr/share/fonts/truetype/inter/Inter-Regular.ttf",
     "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
-    "/usr/share/fonts/truetype/roboto/unhinted/RobotoTTF/Roboto-Regular.ttf", nullptr};
+    "/usr/share/fonts/truetype/roboto/unhinted/RobotoTTF/Roboto-Regular.ttf",
+    nullptr};
 static const char *const strong_paths[] = {
+    "fonts/Inter-SemiBold.otf",
     "/usr/share/fonts/opentype/inter/Inter-SemiBold.otf",
     "/usr/share/fonts/truetype/inter/Inter-SemiBold.ttf",
     "/usr/share/fonts/truetype/dejavu/DejaVuSans-Bold.ttf",
-    "/usr/share/fonts/truetype/roboto/unhinted/RobotoTTF/Roboto-Medium.ttf", nullptr};
-static const char *const sign_paths[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
-                                         nullptr};
+    "/usr/share/fonts/truetype/roboto/unhinted/RobotoTTF/Roboto-Medium.ttf",
+    nullptr};
+static const char *const sign_paths[] = {
+    "fonts/DejaVuSans.ttf", "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", nullptr};
 
 /* Latin with accents, Greek, Cyrillic, dashes, arrows, shapes, stars. */
 static const ImWchar text_ranges[] = {
@@ -384,17 +391,16 @@ static const ImWchar large_ranges[] = {0x20,   0xff,   0x2012, 0x2014, 0x2026,
                                        0x2026, 0x2212, 0x2212, 0};
 static const ImWchar large_sign_ranges[] = {0x25a0, 0x25a0, 0x25b6, 0x25b6, 0x25cb, 0x25cf, 0};
 
-/* ImGui ends the process when a font is missing. */
-static const char *readable(const char *const *paths)
+/* The path of the first font that can be read; false: none. ImGui ends the process when a font is
+ * missing. */
+static bool find_font(char out[INSTALLED_LENGTH], const char *const *paths)
 {
     for (; *paths; ++paths) {
-        FILE *file = std::fopen(*paths, "rb");
-        if (!file)
-            continue;
-        std::fclose(file);
-        return *paths;
+        (void)std::snprintf(out, INSTALLED_LENGTH, "%s", *paths);
+        if (**paths == '/' ? access(out, R_OK) == 0 : installed_data(out, *paths))
+            return true;
     }
-    return nullptr;
+    return false;
 }
 
 static ImFontConfig config_of(bool is_merged)
@@ -412,13 +418,15 @@ static ImFont *load(float size_px, const char *const *paths, const ImWchar *rang
 {
     ImFontAtlas *atlas = ImGui::GetIO().Fonts;
     const float line_px = ImFloorSigned(size_px * LINE_PER_EM + 0.5f);
-    const char *path = readable(paths), *sign_path = readable(sign_paths);
     const ImFontConfig config = config_of(false), merged = config_of(true);
-    ImFont *font = path ? atlas->AddFontFromFileTTF(path, line_px, &config, ranges) : nullptr;
+    char path[INSTALLED_LENGTH];
+    ImFont *font = find_font(path, paths)
+                       ? atlas->AddFontFromFileTTF(path, line_px, &config, ranges)
+                       : nullptr;
     if (!font)
         return atlas->AddFontDefault();
-    if (sign_path)
-        atlas->AddFontFromFileTTF(sign_path, line_px, &merged, signs);
+    if (find_font(path, sign_paths))
+        atlas->AddFontFromFileTTF(path, line_px, &merged, signs);
     return font;
 }
 
