@@ -17,8 +17,8 @@ tree=$work/marotte # NAME in the archive
 # libraries; PocketSphinx, for its 30 MB.
 development=(libc6-dev libstdc++-10-dev libjansson-dev libsuitesparse-dev libpng-dev libdraco-dev libmeshoptimizer-dev libjpeg-dev
     libwebp-dev libepoxy-dev libegl-dev libfreetype-dev libusb-1.0-0-dev liblo-dev libsqlite3-dev zlib1g-dev nettle-dev libsndfile1-dev
-    libsamplerate0-dev portaudio19-dev libglfw3-dev libasound2-dev libsystemd-dev libstb-dev)
-newer=(libimgui-dev libtinygltf-dev nlohmann-json3-dev fonts-inter fonts-dejavu-core) # of Debian 12
+    libsamplerate0-dev portaudio19-dev libglfw3-dev libasound2-dev libsystemd-dev)
+newer=(libimgui-dev libstb-dev libtinygltf-dev nlohmann-json3-dev fonts-inter fonts-dejavu-core) # of Debian 12
 fonts=(opentype/inter/Inter-{Regular,Medium,SemiBold}.otf truetype/dejavu/DejaVuSans.ttf)
 # Of the system: its C and C++ libraries; what talks to its kernel, display and sound; zlib, which graphics drivers load, too.
 expected='^(ld-linux-x86-64|lib(c|m|dl|rt|pthread|util|resolv|stdc\+\+|gcc_s|asound|X[A-Za-z0-9]*|xcb[-a-z]*|wayland-[a-z]+|GL|GLX|EGL|OpenGL|GLdispatch|udev|z))\.so'
@@ -33,6 +33,7 @@ make_sysroot() {
         bullseye "$sysroot" "deb $uri bullseye main"
     (cd "$work/newer" && setup_step "downloading of Debian 12" 0 apt-get -q download "${newer[@]}")
     for package in "$work/newer"/*.deb; do dpkg-deb -x "$package" "$sysroot"; done
+    rm "$sysroot/usr/lib/$triple/libstb.so" # the static library is linked: Dear ImGui needs it as new as itself
     # Links to other places of the root become links within the sysroot.
     find "$sysroot" -type l -lname '/*' -printf '%p %l\n' | while read -r link target; do
         ln -snf "$(realpath -ms --relative-to="$(dirname "$link")" "$sysroot$target")" "$link"
@@ -41,7 +42,7 @@ make_sysroot() {
 }
 
 make_openmesh() { # URI SUITE
-    local source=$work/openmesh apt
+    local source=$work/openmesh apt library
     rm -rf "$source"
     mkdir -p "$source/apt/lists/partial" "$source/apt/cache/archives/partial"
     echo "deb-src $1 $2 main" >"$source/apt/list"
@@ -54,8 +55,10 @@ make_openmesh() { # URI SUITE
         -DCMAKE_CXX_FLAGS="-ffile-prefix-map=$source=." -DCMAKE_SKIP_RPATH=ON
     setup_step "building OpenMesh" 0 cmake --build "$source/build"
     setup_step "installing OpenMesh" 0 env DESTDIR="$sysroot" cmake --install "$source/build" --strip
-    mkdir -p "$sysroot/usr/share/doc/libopenmesh9.0"
-    cp "$source"/openmesh-*/debian/copyright "$sysroot/usr/share/doc/libopenmesh9.0/"
+    for library in libopenmeshcore9.0 libopenmeshtools9.0; do
+        mkdir -p "$sysroot/usr/share/doc/$library"
+        cp "$source"/openmesh-*/debian/copyright "$sysroot/usr/share/doc/$library/"
+    done
 }
 
 bundle_fonts() {
@@ -70,6 +73,20 @@ bundle_fonts() {
 
 needed() { readelf -d "$1" | sed -n 's/.*(NEEDED).*\[\(.*\)\]/\1/p'; }
 
+# The licence of a library: libpng16.so.16 is of the package libpng16-16 or of one whose name goes on, unless it shares a package.
+copy_licence() {
+    local package
+    package=$(sed -E 's/([0-9])\.so\./\1-/; s/\.so\.?//; s/.*/\L&/; s/^libbrotli(dec|common)/libbrotli/; s/^libdb-/libdb/' <<<"$1")
+    for package in "$sysroot/usr/share/doc/$package" "$sysroot/usr/share/doc/$package"*; do
+        if [ -e "$package/copyright" ]; then
+            cp -L "$package/copyright" "$tree/share/doc/marotte/libraries/${package##*/}.copyright"
+            return
+        fi
+    done
+    echo "there is no licence of $1" >&2
+    exit 1
+}
+
 # Copies what the programs and plugins load, and what that loads, unless the system has it; with the licence of each.
 bundle() {
     local open=("$tree"/bin/* "$tree"/lib/marotte/plugins/*.so) file library found package
@@ -83,10 +100,7 @@ bundle() {
             found=$(readlink -f "$found")
             install -m 644 "$found" "$tree/$libraries/$library"
             open+=("$tree/$libraries/$library")
-            package=$(grep -lE "/${found##*/}\$" "$sysroot"/var/lib/dpkg/info/*.list 2>/dev/null | head -n 1)
-            package=${package##*/} package=${package%.list} package=${package%:*}
-            [[ $library != libOpenMesh* ]] || package=libopenmesh9.0
-            cp -L "$sysroot/usr/share/doc/$package/copyright" "$tree/share/doc/marotte/libraries/$package.copyright"
+            copy_licence "$library"
         done
     done
 }
