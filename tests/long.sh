@@ -27,6 +27,8 @@ steps=(
     "whole:all of ctest with every repetition in full"
     "tidy:clang-tidy"
     "replays:golden takes on gcc and clang, -O0 and -O3"
+    "twice:two builds in folders of other names, at other times: the same bytes"
+    "portable:the portable archive: golden takes, and two builds of it: the same bytes"
     "window:the window, clicked at random: an hour, and ten minutes under the address sanitizer"
     "shows:hostile shows through every command for an hour"
     "outputs:a face sent to all outputs, an hour of \`perform\` and ten minutes of the stage"
@@ -79,6 +81,11 @@ step_busy() {
 step_whole() { built release && ctest_of release -j "$jobs"; }
 step_tidy() { built release && bash tests/house/tidy.sh && echo "no finding"; }
 step_replays() { bash tests/take/replay_builds.sh; }
+step_twice() { bash tests/e2e/twice.sh; }
+step_portable() {
+    bash packaging/portable/build.sh &&
+        MAROTTE=$here/build/portable/marotte/bin/marotte bash tests/take/golden.sh && bash tests/e2e/twice.sh portable
+}
 step_window() {
     built asan && bash tests/window/soak.sh 600 && built release && bash tests/window/soak.sh 3600
 }

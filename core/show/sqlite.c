@@ -954,7 +954,7 @@ bool sqlite_is_null(sqlite_statement *statement, int column)
 
 int64_t sqlite_changes(const sqlite *self)
 {
-    return sqlite3_changes64(self->handle);
+    return sqlite3_changes(self->handle);
 }
 
 int64_t sqlite_last_id(const sqlite *self)

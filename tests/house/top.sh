@@ -7,7 +7,7 @@ if ! git rev-parse --is-inside-work-tree >/dev/null 2>&1; then
     exit 77
 fi
 expected=".ci .clang-format .clang-tidy .editorconfig .github .gitignore ARCHITECTURE.md CHANGELOG.md CMakeLists.txt
-CMakePresets.json CONTRIBUTING.md LICENSE README.md core debian plugins rigs run test tests ui"
+CMakePresets.json CONTRIBUTING.md LICENSE README.md core debian packaging plugins rigs run test tests ui"
 failed=0
 while read -r name; do
     [[ " $(tr '\n' ' ' <<<"$expected")" = *" $name "* ]] || { echo "$name is tracked at the top of the tree"; failed=1; }

@@ -31,6 +31,9 @@ cmp "$SOURCE_DIR/core/include/marotte/plugin.h" "$prefix/include/marotte/plugin.
 grep -rlF -e "$SOURCE_DIR" -e "$BUILD_DIR" -e "$scratch/first" "$prefix" && fail "these name a folder of the build"
 find "$prefix" -type f -exec sh -c 'readelf -d "$1" 2>/dev/null | grep -E "R(UN)?PATH" | grep -v "\[\$ORIGIN" && echo "$1"' sh {} \; |
     grep . && fail "these look for libraries in a folder of the build"
+find "$prefix/bin" "$prefix"/lib* -type f ! -name '*.cmake' ! -name '*.pc' -print0 |
+    xargs -0 grep -aoE '\b(core|plugins|rigs|ui|tests)/[a-z_/]*[a-zA-Z_]+\.(md|rules|sh)\b' |
+    grep . && fail "these messages name files of the sources"
 "${alone[@]}" marotte plugin list --params >"$scratch/list" || fail "plugin list"
 for plugin in log anchored unanchored one_hand cyberglove pedal osc camera openxr midi gamepad phone; do
     grep -q "^    from $prefix/lib.*/marotte/plugins/$plugin.so$" "$scratch/list" || fail "$plugin is not found"

@@ -34,7 +34,8 @@ for ((v = 2; v <= now; ++v)); do # no program of the repository ever wrote versi
     "$MAROTTE" take list "$show" >"$scratch/stdout"
     grep -q "kept since $v" "$scratch/stdout" || fail "version $v: the new name is lost: $(cat "$scratch/stdout")"
     "$MAROTTE" take check "$show" >/dev/null || fail "version $v is damaged by migrating it"
-    samples "$scratch/after.csv" && cmp "$scratch/before.csv" "$scratch/after.csv" || fail "version $v: other samples"
+    samples "$scratch/after.csv"
+    cmp "$scratch/before.csv" "$scratch/after.csv" || fail "version $v: other samples"
 done
 
 # ---- a newer one ----

@@ -1,4 +1,5 @@
 #include "draw/annotations.h"
+#include "base/installed.h"
 #include "draw/gl.h"
 #include "draw/system_font.h"
 #include "draw/target.h"
@@ -8,6 +9,7 @@
 #include FT_OUTLINE_H
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -38,6 +40,7 @@ enum {
 static const float size_min_px = 4.0f, size_max_px = 256.0f;
 
 const char *const letters_fonts[] = {
+    "fonts/Inter-Medium.otf", /* installed with the portable folder */
     "/usr/share/fonts/opentype/inter/Inter-Medium.otf",
     "/usr/share/fonts/opentype/inter/Inter-Regular.otf",
     "/usr/share/fonts/inter/Inter-Regular.otf",
@@ -68,6 +71,7 @@ struct letters {
     uint32_t face_count;
     FT_F26Dot6 em[FACES]; /* the size that is set; 0: none */
     system_fonts *system;
+    char path[INSTALLED_LENGTH]; /* of the first font */
     GLuint program, atlas, vertex_array, vertex_buffer;
     GLint target_size, ink;
     glyph glyphs[GLYPHS_MAX];
@@ -93,8 +97,14 @@ static bool add_face(letters *self, system_font font)
 
 static void open_font(letters *self, const char *const *paths)
 {
-    while (*paths && !add_face(self, (system_font){*paths, 0}))
-        ++paths;
+    for (; *paths; ++paths) {
+        if (**paths == '/')
+            (void)snprintf(self->path, sizeof self->path, "%s", *paths);
+        else if (!installed_data(self->path, *paths))
+            continue;
+        if (add_face(self, (system_font){self->path, 0}))
+            return;
+    }
 }
 
 /* Returns the face that has the character: ours, or one of the system. Ours where none has it. */

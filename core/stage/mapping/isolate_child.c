@@ -271,7 +271,7 @@ static void confine(void)
     program_limit(RLIMIT_CORE, 0, 0);
     program_limit(RLIMIT_NOFILE, FILES_MAX, FILES_MAX);
     program_limit(RLIMIT_DATA, memory_bytes, memory_bytes);
-    (void)syscall(SYS_close_range, (unsigned)ISOLATE_FD + 1, ~0u, 0u);
+    (void)syscall(__NR_close_range, (unsigned)ISOLATE_FD + 1, ~0u, 0u);
 }
 
 static isolate_block *map_block(void)

@@ -1,3 +1,4 @@
+#define _GNU_SOURCE /* RTLD_DEFAULT of older C libraries */
 #include "stage/sound/sound_device.h"
 #include "base/clock.h"
 

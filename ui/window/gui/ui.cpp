@@ -1,6 +1,7 @@
 /* The facade over Dear ImGui; beside it only ui_damage.cpp knows it. */
 extern "C" {
 #include "window/gui/ui.h"
+#include "base/installed.h"
 #include "draw/gl.h"
 #include "draw/system_font.h"
 #include "window/gui/theme.h"
@@ -19,6 +20,7 @@ extern "C" {
 #include <cstdlib>
 #include <cstring>
 #include <new>
+#include <unistd.h>
 
 constexpr int UI_PANELS_MAX = 96;
 constexpr int UI_POPUPS_MAX = 8;
@@ -413,34 +415,38 @@ float ui_text_height(const ui *self, ui_style style)
 /* Line height of Inter relative to its em. */
 constexpr float LINE_PER_EM = 1.21f;
 
+/* Those without a '/' in front are installed with the portable folder. */
 static const char *const regular_paths[] = {
+    "fonts/Inter-Regular.otf",
     "/usr/share/fonts/opentype/inter/Inter-Regular.otf",
     "/usr/share/fonts/truetype/inter/Inter-Regular.ttf",
     "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
-    "/usr/share/fonts/truetype/roboto/unhinted/RobotoTTF/Roboto-Regular.ttf", nullptr};
+    "/usr/share/fonts/truetype/roboto/unhinted/RobotoTTF/Roboto-Regular.ttf",
+    nullptr};
 static const char *const strong_paths[] = {
+    "fonts/Inter-SemiBold.otf",
     "/usr/share/fonts/opentype/inter/Inter-SemiBold.otf",
     "/usr/share/fonts/truetype/inter/Inter-SemiBold.ttf",
     "/usr/share/fonts/truetype/dejavu/DejaVuSans-Bold.ttf",
-    "/usr/share/fonts/truetype/roboto/unhinted/RobotoTTF/Roboto-Medium.ttf", nullptr};
-static const char *const sign_paths[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
-                                         nullptr};
+    "/usr/share/fonts/truetype/roboto/unhinted/RobotoTTF/Roboto-Medium.ttf",
+    nullptr};
+static const char *const sign_paths[] = {
+    "fonts/DejaVuSans.ttf", "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", nullptr};
 
 static const ImWchar large_ranges[] = {0x20,   0xff,   0x2012, 0x2014, 0x2026,
                                        0x2026, 0x2212, 0x2212, 0};
 static const ImWchar large_sign_ranges[] = {0x25a0, 0x25a0, 0x25b6, 0x25b6, 0x25cb, 0x25cf, 0};
 
-/* ImGui ends the process when a font is missing. */
-static const char *readable(const char *const *paths)
+/* The path of the first font that can be read; false: none. ImGui ends the process when a font is
+ * missing. */
+static bool find_font(char out[INSTALLED_LENGTH], const char *const *paths)
 {
     for (; *paths; ++paths) {
-        FILE *file = std::fopen(*paths, "rb");
-        if (!file)
-            continue;
-        std::fclose(file);
-        return *paths;
+        (void)std::snprintf(out, INSTALLED_LENGTH, "%s", *paths);
+        if (**paths == '/' ? access(out, R_OK) == 0 : installed_data(out, *paths))
+            return true;
     }
-    return nullptr;
+    return false;
 }
 
 static ImFontConfig config_of(bool is_merged)
@@ -496,7 +502,8 @@ static void add_fallback_font(ui_fallback *out, system_font font)
 
 static void find_fallback(const ui *self, ui_fallback *out)
 {
-    const char *sign_path = readable(sign_paths);
+    char sign_path[INSTALLED_LENGTH];
+    const bool has_signs = find_font(sign_path, sign_paths);
     out->count = 0;
     for (const ImWchar *range = text_ranges; *range; ++range)
         out->text.push_back(*range);
@@ -508,7 +515,7 @@ static void find_fallback(const ui *self, ui_fallback *out)
             out->wanted.push_back(static_cast<ImWchar>(c));
         }
         const system_font font = system_fonts_find(self->system, c);
-        if (font.path && !(sign_path && std::strcmp(font.path, sign_path) == 0))
+        if (font.path && !(has_signs && std::strcmp(font.path, sign_path) == 0))
             add_fallback_font(out, font);
     }
     out->text.push_back(0);
@@ -520,16 +527,19 @@ static ImFont *load(float size_px, const char *const *paths, const ImWchar *rang
 {
     ImFontAtlas *atlas = ImGui::GetIO().Fonts;
     const float line_px = ImFloorSigned(size_px * LINE_PER_EM + 0.5f);
-    const char *path = readable(paths), *sign_path = readable(sign_paths);
     ImFontConfig config = config_of(false), merged = config_of(true);
-    ImFont *font = path ? atlas->AddFontFromFileTTF(path, line_px, &config, ranges) : nullptr;
+    char path[INSTALLED_LENGTH], sign_path[INSTALLED_LENGTH];
+    const bool has_signs = find_font(sign_path, sign_paths);
+    ImFont *font = find_font(path, paths)
+                       ? atlas->AddFontFromFileTTF(path, line_px, &config, ranges)
+                       : nullptr;
     if (!font)
         font = atlas->AddFontDefault();
-    else if (sign_path)
+    else if (has_signs)
         atlas->AddFontFromFileTTF(sign_path, line_px, &merged, signs);
     if (!fallback || fallback->wanted.Size == 1)
         return font;
-    if (sign_path)
+    if (has_signs)
         atlas->AddFontFromFileTTF(sign_path, line_px, &merged, fallback->wanted.Data);
     merged.FontDataOwnedByAtlas = false;
     merged.OversampleH = 1;

@@ -1,0 +1,15 @@
+# For packaging/portable/build.sh: clang builds against the libraries of Debian 11 in $MAROTTE_SYSROOT, whose C library is 2.31. What it
+# builds runs on that C library and on every later one.
+if(NOT IS_DIRECTORY "$ENV{MAROTTE_SYSROOT}")
+  message(FATAL_ERROR "MAROTTE_SYSROOT names no folder: run packaging/portable/build.sh")
+endif()
+set(CMAKE_SYSROOT $ENV{MAROTTE_SYSROOT})
+set(CMAKE_C_COMPILER clang)
+set(CMAKE_CXX_COMPILER clang++)
+set(CMAKE_FIND_ROOT_PATH ${CMAKE_SYSROOT})
+set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
+set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
+set(ENV{PKG_CONFIG_SYSROOT_DIR} ${CMAKE_SYSROOT})
+set(ENV{PKG_CONFIG_LIBDIR} ${CMAKE_SYSROOT}/usr/lib/x86_64-linux-gnu/pkgconfig:${CMAKE_SYSROOT}/usr/share/pkgconfig)
