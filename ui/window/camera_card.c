@@ -511,7 +511,7 @@ static void draw_preview(camera_card *self, ui *on, ui_rectangle over)
     ui_panel_end(on);
 }
 
-void camera_card_draw(camera_card *self, ui *on, ui_rectangle over)
+bool camera_card_draw(camera_card *self, ui *on, ui_rectangle over)
 {
     if (self->lesson == LESSON_POSES && ui_has_dialog(on))
         leave_lesson(self); /* the dialog Calibrate taps the input too */
@@ -520,9 +520,12 @@ void camera_card_draw(camera_card *self, ui *on, ui_rectangle over)
     else if (self->state.trouble.text[0])
         draw_trouble(self, on, over);
     else if (!self->camera || self->is_hidden || !self->state.is_known)
-        return;
+        return false;
     else if (!self->state.has_tracker && !self->has_sight)
         draw_missing(self, on, over);
     else if (settings_number(app_settings(self->app), APP_CAMERA_PREVIEW, 1.0) > 0.0)
         draw_preview(self, on, over);
+    else
+        return false;
+    return true;
 }

@@ -11,7 +11,7 @@ void camera_card_destroy(camera_card *self); /* NULL is fine */
 
 /* Takes APP_CALL_CAMERA, and follows the camera. Call it in each frame. */
 void camera_card_update(camera_card *self, double dt_s);
-/* Draws the card, if there is anything to say or to see, at the upper left of the face. */
-void camera_card_draw(camera_card *self, ui *on, ui_rectangle over);
+/* Draws the card at the upper left of the face. False: there was nothing to say or to see. */
+bool camera_card_draw(camera_card *self, ui *on, ui_rectangle over);
 
 #endif

@@ -9,6 +9,7 @@
 #include "window/panels/panels.h"
 #include "window/streams.h"
 #include "window/timeline/record_menu.h"
+#include "window/tour.h"
 #include "window/viewport/viewport.h"
 #include "window/viewport/virtual_hand.h"
 
@@ -44,7 +45,8 @@ struct workspace {
     ui_screen screen;
 
     dialogs dialogs;
-    bool is_offered; /* what an empty stage offers was answered */
+    offers offers;
+    tour tour;
     help help;
 
     int32_t news_level; /* of the line that is shown */
@@ -132,6 +134,8 @@ static void escape(workspace *self)
         app_do(self->app, ACTION_HAND_KEYS);
     else if (looks->is_helping)
         looks->is_helping = false;
+    else if (self->tour.step != TOUR_OFF && !ui_has_dialog(self->ui))
+        tour_end(&self->tour);
     else if (looks->is_face_only)
         looks->is_face_only = false;
 }
@@ -938,6 +942,16 @@ static void draw_lead_in(workspace *self, ui_rectangle over)
     ui_panel_end(self->ui);
 }
 
+/* What helps a person to begin, at the left edge of the face. */
+static void draw_cards(workspace *self, ui_rectangle over, ui_rectangle above_news)
+{
+    const bool has_camera = camera_card_draw(self->camera, self->ui, over);
+    self->offers.when = tour_offers(&self->tour);
+    const float offered = offers_draw(&self->offers, self->app, self->ui, above_news);
+    const tour_room room = {above_news, offered, has_camera};
+    tour_draw(&self->tour, self->app, self->ui, &room);
+}
+
 static void draw_panels(workspace *self, const workspace_layout *at)
 {
     if (at->has_timeline) {
@@ -962,15 +976,14 @@ static void draw_panels(workspace *self, const workspace_layout *at)
     if (at->card.width > 0.0f)
         hand_panel_draw_card(self->dock[APP_HAND], self->ui, at->card);
     if (at->has_bar)
-        camera_card_draw(self->camera, self->ui, at->face);
-    if (at->has_bar)
-        offers_draw(self->app, self->ui, above_news, &self->is_offered);
+        draw_cards(self, at->face, above_news);
     workspace_draw_news(self, at->face);
     if (app_looks_of(self->app)->is_helping)
         help_draw(&self->help, self->app, self->ui,
                   (ui_rectangle){0.0f, 0.0f, self->screen.width, self->screen.height},
                   self->screen.scale / window_scale(self->window));
     dialogs_draw(&self->dialogs);
+    tour_update(&self->tour, self->app, self->screen.dt_s);
     record_menu_tempo(self->app, self->ui);
 }
 
@@ -988,6 +1001,8 @@ static void take_requests(workspace *self)
 {
     if (app_take_request(self->app, ACTION_OPEN))
         dialogs_ask_open(&self->dialogs, OPEN_ANY);
+    if (app_take_request(self->app, ACTION_TOUR))
+        tour_begin(&self->tour, self->app);
     if (app_take_call(self->app, APP_CALL_RECORDING))
         dialogs_ask_open(&self->dialogs, OPEN_HANDS);
     if (app_take_call(self->app, APP_CALL_PICTURE))

@@ -156,6 +156,8 @@ static const action_entry entries[ACTION_COUNT] = {
                         "Save the show or the rig under another name, and continue with that one.",
                         'S', UI_CONTROL | UI_SHIFT},
     [ACTION_HELP] = {ACTION_PROGRAM, "help", "Help", "List all keys and pedals.", '/', UI_SHIFT},
+    [ACTION_TOUR] = {ACTION_PROGRAM, "tour", "Tour",
+                     "Six steps, from a pull of the face to an export.", UI_KEY_F1, UI_SHIFT},
     [ACTION_QUIT] = {ACTION_PROGRAM, "quit", "Quit", "Quit. The current recording is saved.", 'Q',
                      UI_CONTROL},
 };

@@ -85,6 +85,7 @@ typedef enum action {
     ACTION_SAVE,          /* Ctrl+S: the rig */
     ACTION_SAVE_AS,       /* Ctrl+Shift+S: the show or the rig, under another name */
     ACTION_HELP,          /* ? */
+    ACTION_TOUR,          /* Shift+F1 */
     ACTION_QUIT,          /* Ctrl+Q */
     ACTION_COUNT
 } action;

@@ -752,14 +752,14 @@ bool app_is_held(const app *self)
     return self->pulls.is_held;
 }
 
-bool app_has_pulled(const app *self)
+uint32_t app_pull_count(const app *self)
 {
-    return self->pulls.has_pulled;
+    return self->pulls.count;
 }
 
 void app_begin_pull(app *self)
 {
-    self->pulls.has_pulled = true;
+    self->pulls.count += 1;
     begin_pull(self);
 }
 
