@@ -91,7 +91,7 @@ static void each_step_is_done_when_the_person_did_it(void **state)
     expect("Click the red circle");
     assert_null(scene_word_with(&s, "(R)")); /* its keys are those of the hand */
     scene_key(&s, UI_KEY_ESCAPE, 0);         /* the hand first */
-    expect("at the top (R)");
+    expect("(R)");
     scene_let_cut(&s, "demo_hand");
     check_place();
     scene_look(&s, "tour_record");
@@ -103,10 +103,10 @@ static void each_step_is_done_when_the_person_did_it(void **state)
     assert_true(scene_until(&s, has_take, NULL));
     check_place();
     scene_look(&s, "tour_trim");
-    app_seek(s.app, NS_PER_S / 2);
-    scene_frames(&s, 5);
-    scene_do(&s, ACTION_TRIM_START);
-    expect("export it (Ctrl+E)");
+    const float end = s.width - app_looks_of(s.app)->dock_width - 13.0f; /* of the clip */
+    scene_drag(&s, end, 0.87f * s.height, end - 150.0f, 0.87f * s.height, 10);
+    scene_move(&s, 0.4f * s.width, 20.0f); /* away from the hints of the timeline */
+    expect("(Ctrl+E)");
     check_place();
     export_take();
     expect("That is all");

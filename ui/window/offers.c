@@ -245,8 +245,11 @@ static void draw_mouth_offer(app *of, ui *on, ui_rectangle over)
 
 static bool is_offered(const offers *self, app *of, offer which)
 {
-    const bool is_hand = which != OFFER_MOUSE;
-    return is_there(of, which) && (is_hand || self->when != OFFERS_ALWAYS);
+    if (self->when == OFFERS_DEMO && which != OFFER_DEMO)
+        return false;
+    if (self->when == OFFERS_OWN_HAND && which != OFFER_CAMERA && which != OFFER_KEYBOARD)
+        return false;
+    return is_there(of, which);
 }
 
 float offers_draw(offers *self, app *of, ui *on, ui_rectangle over)

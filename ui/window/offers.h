@@ -8,7 +8,8 @@
 
 typedef enum offers_when {
     OFFERS_WHEN_EMPTY = 0, /* ways to perform are offered while nothing performs */
-    OFFERS_ALWAYS,         /* even then */
+    OFFERS_DEMO,           /* the demo hand, even then */
+    OFFERS_OWN_HAND,       /* camera and keyboard, even then */
     OFFERS_NEVER
 } offers_when;
 typedef struct offers { /* zeroed at first */

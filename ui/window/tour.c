@@ -39,8 +39,11 @@ offers_when tour_offers(const tour *self)
 {
     if (self->step == TOUR_OFF || self->step == TOUR_DONE)
         return OFFERS_WHEN_EMPTY;
-    const bool asks = self->step == TOUR_DEMO || self->step == TOUR_OWN_HAND;
-    return asks && self->done_s <= 0.0 ? OFFERS_ALWAYS : OFFERS_NEVER;
+    if (self->done_s > 0.0)
+        return OFFERS_NEVER;
+    return self->step == TOUR_DEMO       ? OFFERS_DEMO
+           : self->step == TOUR_OWN_HAND ? OFFERS_OWN_HAND
+                                         : OFFERS_NEVER;
 }
 
 /* ---- whether a step is done ---- */
