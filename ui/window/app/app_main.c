@@ -1,4 +1,5 @@
 #include "window/app/app_shared.h"
+#include "window/app/open_recent.h"
 
 #include "base/installed.h"
 #include "base/clock.h"
@@ -413,6 +414,8 @@ static void take_inputs(app *self)
         if (one.input)
             result = live_add_input(self->live, one.input, one.text, &one.err);
         self->input_trouble = result < 0 ? one.err : (error){""};
+        if (result < 0)
+            open_recent_remove(self->settings, one.text);
         (void)app_report(self, result, &one.err);
     }
 }
