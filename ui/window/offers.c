@@ -277,8 +277,9 @@ float offers_draw(offers *self, app *of, ui *on, ui_rectangle over)
             width = fmaxf(width, width_of(of, on, (offer)i));
         }
     const float height = 34.0f + (float)count * pitch;
-    const ui_rectangle box = {over.x + 4.0f, over.y + over.height - height - 4.0f,
-                              width + 2.0f * padding, height};
+    const float wide = width + 2.0f * padding;
+    const ui_rectangle box = {self->has_camera ? over.x + over.width - wide - 4.0f : over.x + 4.0f,
+                              over.y + over.height - height - 4.0f, wide, height};
     ui_panel_begin(on, "offers", box, UI_GROUND_PANEL);
     ui_text(on, UI_STYLE_DIM, "Perform with");
     for (uint32_t i = 0; i < count; ++i) {

@@ -14,10 +14,11 @@ typedef enum offers_when {
 } offers_when;
 typedef struct offers { /* zeroed at first */
     offers_when when;   /* set by the caller */
+    bool has_camera;    /* set by the caller: the camera's card is at the left of the face */
     bool is_gone;       /* they were answered in this run */
 } offers;
-/* Draws them at the lower edge of the face, ways to perform in its left corner. Returns the height
- * that is taken in that corner; 0: none. */
+/* Draws them at the lower edge of the face. Ways to perform are in its left corner, or in the right
+ * one beside the camera. Returns the height that they take in that corner; 0: none. */
 float offers_draw(offers *self, app *of, ui *on, ui_rectangle over);
 
 #endif

@@ -187,7 +187,7 @@ static void draw_progress(const tour *self, ui *on)
 }
 
 /* Steps of the face and of the bar have their card above, those of the offers and of the timeline
- * below. Where another card is in the way, it lies at the right. */
+ * below. Where the offers are in the way, it lies at the right; so do both beside the camera. */
 static ui_rectangle place_of(const tour *self, const tour_room *room, float width, float height)
 {
     const ui_rectangle over = room->face;
@@ -195,7 +195,8 @@ static ui_rectangle place_of(const tour *self, const tour_room *room, float widt
     const float bottom = over.y + over.height - height - margin;
     const float above_offers = bottom - room->offers_height;
     const bool is_right = room->has_camera || above_offers < over.y + margin;
-    const float y = is_high && !is_right ? over.y + margin : is_right ? bottom : above_offers;
+    const float low = is_right && !room->has_camera ? bottom : above_offers;
+    const float y = is_high && !is_right ? over.y + margin : low;
     return (ui_rectangle){is_right ? over.x + over.width - width - margin : over.x + margin,
                           fmaxf(y, over.y + margin), width, height};
 }

@@ -39,7 +39,7 @@ offers_when tour_offers(const tour *self);
 void tour_update(tour *self, app *of, double dt_s);
 typedef struct tour_room {
     ui_rectangle face;   /* the picture of it */
-    float offers_height; /* that the offers take in its lower left corner */
+    float offers_height; /* that the offers take in a lower corner */
     bool has_camera;     /* the camera's card is in its upper left corner */
 } tour_room;
 /* Draws the card beside the face, near what the step is about. */

@@ -946,6 +946,7 @@ static void draw_lead_in(workspace *self, ui_rectangle over)
 static void draw_cards(workspace *self, ui_rectangle over, ui_rectangle above_news)
 {
     const bool has_camera = camera_card_draw(self->camera, self->ui, over);
+    self->offers.has_camera = has_camera;
     self->offers.when = tour_offers(&self->tour);
     const float offered = offers_draw(&self->offers, self->app, self->ui, above_news);
     const tour_room room = {above_news, offered, has_camera};
