@@ -441,7 +441,8 @@ static void poses_in_another_unit_are_warnings(void **state)
                  "is pulled by 400 mm, more than the height of the head");
     assert_found(RIG_WARNING, "$.poses[0]", "are these radians? Turns are in degrees");
     pull.z = 0.004;
-    assert_found(RIG_WARNING, "$.poses[0]", "no contact is pulled by more than 0.004 mm");
+    assert_found(RIG_WARNING, "$.poses[0]",
+                 "pulls no contact by more than 0.004 mm: are these metres?");
     moai.rig->pose = had;
     moai.rig->pose_count = had_count;
 }

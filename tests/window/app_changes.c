@@ -276,6 +276,38 @@ static void a_microphone_that_is_not_there_is_not_armed(void **state)
     close_room(&r);
 }
 
+static uint32_t outputs_now(const room *r)
+{
+    return outputs_count(live_outputs(app_live(r->app)));
+}
+
+static void an_output_is_added_and_closed_by_one_step_of_undo_each(void **state)
+{
+    room r = {0};
+    output_status now;
+    (void)state;
+    make_room(&r, 0);
+    assert_int_equal(app_add_output(r.app, "vmc:127.0.0.1:39547"), MRT_OK);
+    assert_int_equal(app_add_output(r.app, "vmc:127.0.0.1:39548"), MRT_OK);
+    assert_non_null(strstr(app_undo_words(r.app), "add output"));
+    app_do(r.app, ACTION_UNDO);
+    assert_int_equal(outputs_now(&r), 1);
+    app_do(r.app, ACTION_REDO);
+    assert_int_equal(outputs_now(&r), 2);
+    app_remove_output(r.app, 0);
+    assert_non_null(strstr(app_undo_words(r.app), "remove output"));
+    outputs_status(live_outputs(app_live(r.app)), 0, &now);
+    assert_non_null(strstr(now.text, "39548"));
+    app_do(r.app, ACTION_UNDO);
+    assert_int_equal(outputs_now(&r), 2);
+    outputs_status(live_outputs(app_live(r.app)), 1, &now);
+    assert_non_null(strstr(now.text, "39547"));
+    app_do(r.app, ACTION_UNDO);
+    app_do(r.app, ACTION_UNDO);
+    assert_int_equal(outputs_now(&r), 0);
+    close_room(&r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -284,6 +316,7 @@ int main(void)
         cmocka_unit_test(more_inputs_than_are_possible_are_said),
         cmocka_unit_test(an_input_that_opens_during_a_take_joins_behind_it),
         cmocka_unit_test(a_microphone_that_is_not_there_is_not_armed),
+        cmocka_unit_test(an_output_is_added_and_closed_by_one_step_of_undo_each),
         cmocka_unit_test(the_sound_of_a_take_is_in_it_when_it_came),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -38,7 +38,7 @@ static void one_click_chooses_a_file_and_two_open_it_and_no_more(void **state)
     assert_non_null(file);
     press_twice(file->where.x + 10.0f, file->where.y + 5.0f);
     assert_non_null(strstr(app_face_path(s.app), "moai.rig.json"));
-    assert_false(app_has_pulled(s.app));
+    assert_int_equal(app_pull_count(s.app), 0);
     assert_false(app_is_held(s.app));
     scene_close(&s);
 }

@@ -35,21 +35,25 @@ static bool has_hand(scene *of, void *data)
 
 /* ---- the first minute ---- */
 
-static float x_of(const char *text)
+static float y_of(const char *text)
 {
     const ui_word *word = scene_word(&s, text);
     if (!word)
         fail_msg("\"%s\" is not offered", text);
-    return word ? word->where.x : 0.0f;
+    return word ? word->where.y : 0.0f;
 }
 
 static void an_empty_stage_offers_four_ways_in_this_order(void **state)
 {
     (void)state;
     scene_open(&s, 1280, 720, 1.0f);
-    assert_true(x_of("Camera (13 MB)") < x_of("Keyboard hand"));
-    assert_true(x_of("Keyboard hand") < x_of("Try a demo hand"));
-    assert_true(x_of("Try a demo hand") < x_of("Mouse"));
+    assert_true(y_of("Camera (13 MB)") < y_of("Keyboard hand"));
+    assert_true(y_of("Keyboard hand") < y_of("Try a demo hand"));
+    assert_true(y_of("Try a demo hand") < y_of("Mouse"));
+    const float beside_head = 0.18f * s.height; /* of the middle of the face's picture */
+    const float middle = 0.5f * (s.width - app_looks_of(s.app)->dock_width);
+    const ui_word *widest = scene_word(&s, "Try a demo hand");
+    assert_true(widest && widest->where.x + widest->where.width < middle - beside_head);
     scene_look(&s, "opens_offers");
     scene_let_cut(&s, "No takes yet");
     scene_check_words(&s);
@@ -116,6 +120,30 @@ static void the_first_field_has_the_focus_enter_opens_and_esc_cancels(void **sta
     scene_key(&s, UI_KEY_ENTER, 0); /* a new name makes a show */
     assert_false(ui_has_dialog(s.ui));
     assert_non_null(strstr(show_path(app_show(s.app)), "another.marotte"));
+    scene_close(&s);
+}
+
+static bool says_trouble(scene *of, void *data)
+{
+    (void)data;
+    return app_opening_trouble(of->app)[0] != '\0';
+}
+
+static void a_broken_file_is_not_among_the_recent(void **state)
+{
+    static const char nothing[] = "time_s,nonsense\nx,y\n";
+    const char *recent[OPEN_RECENT_MAX];
+    char path[512];
+    (void)state;
+    scene_open(&s, 1280, 720, 1.0f);
+    (void)snprintf(path, sizeof path, "%s/broken.csv", s.folder);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    assert_true(fputs(nothing, file) >= 0);
+    assert_int_equal(fclose(file), 0);
+    window_drop(s.window, path);
+    assert_true(scene_until(&s, says_trouble, NULL));
+    assert_int_equal(open_recent(app_settings(s.app), recent), 0);
     scene_close(&s);
 }
 
@@ -663,6 +691,7 @@ int main(void)
         cmocka_unit_test(a_click_brings_a_demo_hand_that_performs),
         cmocka_unit_test(a_click_on_the_mouse_or_a_drag_clears_the_way),
         cmocka_unit_test(the_first_field_has_the_focus_enter_opens_and_esc_cancels),
+        cmocka_unit_test(a_broken_file_is_not_among_the_recent),
         cmocka_unit_test(the_field_keeps_the_focus_in_a_folder_and_after_what_cannot_be_opened),
         cmocka_unit_test(the_list_says_how_large_a_file_is_and_when_it_was_changed),
         cmocka_unit_test(a_mesh_without_a_rig_performs_after_one_click),

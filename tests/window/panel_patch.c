@@ -143,6 +143,8 @@ static void a_list_is_readable_and_a_connection_can_be_changed_and_deleted(void 
         assert_non_null(row);
         stand_click_at(&s, row->where.x + 20.0f, row->where.y + 6.0f);
         assert_true(stand_shows(&s, "Input"));
+        assert_true(stand_shows(&s, "28.6 \xc2\xb0")); /* of 0.5 rad */
+        assert_false(stand_shows(&s, " rad"));
         stand_picture(&s, i == 0 ? "panel_patch_chosen" : "panel_patch_chosen_2x");
         stand_click(&s, "Pick up");
         assert_true(s.patch.connection[0].picks_up);

@@ -34,7 +34,11 @@ done
 xdotool key Page_Up space Home space
 xdotool key F11
 until_true has_windows 2 || fail "F11 opens no output"
-xdotool key --window "$(windows | head -n 1)" F11
+output_is_before_the_stage() { # windows are listed from the top
+    xwininfo -root -tree | grep marotte | head -n 1 | grep -q 'marotte: output'
+}
+! command -v xwininfo >/dev/null || until_true output_is_before_the_stage || fail "the output opens behind the stage"
+xdotool key F11 # the output has the keyboard, and passes it on
 until_true has_windows 1 || fail "F11 again leaves the output open"
 xdotool windowfocus "$(windows)"
 xdotool key 4

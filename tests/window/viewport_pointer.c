@@ -368,7 +368,7 @@ static bool says_it_is_less_sharp(void)
     const ui_word *words;
     const uint32_t count = ui_words(s.ui, &words);
     for (uint32_t i = 0; i < count; ++i)
-        if (strstr(words[i].text, "% resolution while the face moves"))
+        if (strstr(words[i].text, "Drawing is slow: "))
             return true;
     return false;
 }

@@ -9,6 +9,7 @@
 #include "cli/perform_session.h"
 #include "window/open_any.h"
 #include "window/streams.h"
+#include "window/tour.h"
 #include "window/workspace.h"
 #include "stream/video.h"
 #include "window/gui/window.h"
@@ -251,6 +252,14 @@ static mrt_result open_window(stage *self, error *err)
     return result;
 }
 
+/* Somebody looks at the window, who did not say what to perform, for the first time. */
+static bool is_first_run(const stage *self)
+{
+    const app_options *with = &self->options->app;
+    return !self->options->is_hidden && !self->script && !with->input_count && !with->face_path &&
+           !(with->settings_path && !with->settings_path[0]) && tour_is_new(self->app);
+}
+
 static mrt_result open_stage(stage *self, error *err)
 {
     mrt_result result = MRT_OK;
@@ -271,6 +280,8 @@ static mrt_result open_stage(stage *self, error *err)
         result = workspace_create(&self->workspace, self->app, self->window, err);
     if (result >= 0 && self->options->file)
         (void)!open_any(self->app, self->options->file); /* the application reports the error */
+    if (result >= 0 && is_first_run(self))
+        app_do(self->app, ACTION_TOUR);
     if (result >= 0 && self->script)
         ui_note_words(workspace_ui(self->workspace), true);
     return result;

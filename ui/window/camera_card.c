@@ -541,11 +541,12 @@ float camera_card_width(const camera_card *self, ui_rectangle stage)
     return is_small(stage) && page_of(self) != PAGE_NONE ? column : 0.0f;
 }
 
-void camera_card_draw(camera_card *self, ui *on, ui_rectangle stage)
+bool camera_card_draw(camera_card *self, ui *on, ui_rectangle stage)
 {
     if (self->lesson == LESSON_POSES && ui_has_dialog(on))
         leave_lesson(self); /* the dialog Calibrate taps the input too */
-    switch (page_of(self)) {
+    const card_page page = page_of(self);
+    switch (page) {
     case PAGE_DOWNLOAD:
         draw_download(self, on, stage);
         break;
@@ -561,4 +562,5 @@ void camera_card_draw(camera_card *self, ui *on, ui_rectangle stage)
     case PAGE_NONE:
         break;
     }
+    return page != PAGE_NONE && !is_small(stage);
 }

@@ -14,7 +14,8 @@ void camera_card_update(camera_card *self, double dt_s);
 /* Of the column that the card takes at the left of a small stage; 0: there is no card, or it lies
  * over a corner of a large one. */
 float camera_card_width(const camera_card *self, ui_rectangle stage);
-/* Draws the card, if there is anything to say or to see, at the upper left of the stage. */
-void camera_card_draw(camera_card *self, ui *on, ui_rectangle stage);
+/* Draws the card, if there is anything to say or to see, at the upper left of the stage. Returns
+ * whether it lies over the face. */
+bool camera_card_draw(camera_card *self, ui *on, ui_rectangle stage);
 
 #endif

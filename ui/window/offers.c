@@ -16,7 +16,7 @@ typedef enum offer {
 
 static const struct {
     const char *title, *help;
-} offers[OFFERS] = {
+} offer_words[OFFERS] = {
     {"Camera", "Track your bare hand with a webcam, in a page of your browser."},
     {"Keyboard hand", "Bend the fingers of a virtual hand with the keys. Press Esc to stop."},
     {"Try a demo hand", "A recorded hand performs in a loop until you remove it."},
@@ -27,7 +27,7 @@ static const struct {
 static const char *title_of(app *of, offer which, char out[32])
 {
     const bool is_download = which == OFFER_CAMERA && !app_notes_of(of)->has_tracker;
-    (void)snprintf(out, 32, is_download ? "%s (%.0f MB)" : "%s", offers[which].title,
+    (void)snprintf(out, 32, is_download ? "%s (%.0f MB)" : "%s", offer_words[which].title,
                    1e-6 * (double)camera_package_used->archive_size);
     return out;
 }
@@ -37,7 +37,7 @@ static const char *help_of(app *of, offer which)
     return which == OFFER_CAMERA && !app_notes_of(of)->has_tracker
                ? "Download the hand tracker once (MediaPipe Hands, from the npm registry), then "
                  "track your bare hand with a webcam, in a page of your browser."
-               : offers[which].help;
+               : offer_words[which].help;
 }
 
 /* The way that works here at once is the first choice. */
@@ -60,7 +60,7 @@ static bool is_empty(app *of)
     for (uint32_t i = 0; i < live_input_count(stage); ++i)
         opened += !live_input_is_own(stage, i);
     return opened == 0 && app_openings(of, opening) == 0 && !app_has_hand_keys(of) &&
-           !app_has_pulled(of) && !app_take_id(of);
+           !app_pull_count(of) && !app_take_id(of);
 }
 
 static bool is_there(app *of, offer which)
@@ -88,7 +88,7 @@ static void accept(app *of, offer which)
             (void)!app_open_input(of, text); /* the error is in the messages */
         break;
     default:
-        news_list_add(app_news(of), MRT_LOG_INFO, "stage", offers[OFFER_MOUSE].help);
+        news_list_add(app_news(of), MRT_LOG_INFO, "stage", offer_words[OFFER_MOUSE].help);
         break;
     }
 }
@@ -100,7 +100,7 @@ static bool is_without_rig(app *of)
     return file && !file->rig && !live_mapping(app_live(of)) && app_view(of)->mode == LIVE_PERFORMS;
 }
 
-static const float padding = 8.0f, gap = 8.0f, pitch = 31.0f; /* of lines of buttons */
+static const float padding = 8.0f, pitch = 31.0f; /* of lines of buttons */
 
 /* At the lower edge of the face, in its middle. */
 static void begin_box(ui *on, const char *id, ui_rectangle over, float width, float height)
@@ -243,50 +243,56 @@ static void draw_mouth_offer(app *of, ui *on, ui_rectangle over)
     ui_panel_end(on);
 }
 
-void offers_draw(app *of, ui *on, ui_rectangle over, bool *is_gone)
+static bool is_offered(const offers *self, app *of, offer which)
+{
+    if (self->when == OFFERS_DEMO && which != OFFER_DEMO)
+        return false;
+    if (self->when == OFFERS_OWN_HAND && which != OFFER_CAMERA && which != OFFER_KEYBOARD)
+        return false;
+    return is_there(of, which);
+}
+
+float offers_draw(offers *self, app *of, ui *on, ui_rectangle over)
 {
     offer list[OFFERS];
-    uint32_t count = 0, per_line;
+    uint32_t count = 0;
     char title[32];
-    float width = 0.0f;
+    float width = ui_text_width(on, UI_STYLE_DIM, "Perform with");
     if (app_looks_of(of)->layouts.now.current == APP_RIG || !can_be_asked(of))
-        return; /* in Rig the face is worked on, and a draft is offered there */
+        return 0.0f; /* in Rig the face is worked on, and a draft is offered there */
     if (is_without_rig(of)) {
         draw_rig_offer(of, on, over);
-        return;
+        return 0.0f;
     }
     if (app_notes_of(of)->is_mouth_asked) {
         draw_mouth_offer(of, on, over);
-        return;
+        return 0.0f;
     }
-    if (*is_gone || !is_empty(of))
-        return;
+    if (self->when == OFFERS_NEVER ||
+        (self->when == OFFERS_WHEN_EMPTY && (self->is_gone || !is_empty(of))))
+        return 0.0f;
     for (uint32_t i = 0; i < OFFERS; ++i)
-        if (is_there(of, (offer)i)) {
+        if (is_offered(self, of, (offer)i)) {
             list[count++] = (offer)i;
-            width += width_of(of, on, (offer)i) + gap;
+            width = fmaxf(width, width_of(of, on, (offer)i));
         }
-    const bool is_wide = width + 2.0f * padding <= over.width - 24.0f;
-    per_line = is_wide ? count : 2;
-    if (!is_wide)
-        width = 2.0f * (width_of(of, on, OFFER_DEMO) + gap);
-    const uint32_t lines = (count + per_line - 1) / per_line;
-    const float height = (is_wide ? 34.0f : 12.0f) + (float)lines * pitch;
-    width += 2.0f * padding - gap;
-    begin_box(on, "offers", over, width, height);
-    if (is_wide)
-        ui_text(on, UI_STYLE_DIM, "Perform with");
+    const float height = 34.0f + (float)count * pitch;
+    const float wide = width + 2.0f * padding;
+    const ui_rectangle box = {self->has_camera ? over.x + over.width - wide - 4.0f : over.x + 4.0f,
+                              over.y + over.height - height - 4.0f, wide, height};
+    ui_panel_begin(on, "offers", box, UI_GROUND_PANEL);
+    ui_text(on, UI_STYLE_DIM, "Perform with");
     for (uint32_t i = 0; i < count; ++i) {
-        if (i % per_line)
-            ui_same_line(on);
         ui_disabled_begin(on, list[i] == OFFER_CAMERA && app_notes_of(of)->is_camera_busy);
         if (ui_button(on, title_of(of, list[i], title),
                       is_first_choice(of, list[i]) ? UI_ACCENT : UI_PLAIN)) {
-            *is_gone = list[i] != OFFER_CAMERA; /* a download may fail, and is asked for again */
+            self->is_gone =
+                list[i] != OFFER_CAMERA; /* a download may fail, and is asked for again */
             accept(of, list[i]);
         }
         ui_disabled_end(on);
         ui_hint(on, help_of(of, list[i]));
     }
     ui_panel_end(on);
+    return height + 4.0f;
 }

@@ -188,23 +188,6 @@ open_kind open_kind_of(const char *path)
 
 /* ---- opened ---- */
 
-uint32_t open_recent(const settings *from, const char *out[OPEN_RECENT_MAX])
-{
-    return settings_list(from, "recent", out, OPEN_RECENT_MAX);
-}
-
-static void note_recent(settings *to, const char *path)
-{
-    const char *before[OPEN_RECENT_MAX], *kept[OPEN_RECENT_MAX + 1] = {path};
-    const uint32_t known = open_recent(to, before);
-    uint32_t count = 1;
-    for (uint32_t i = 0; i < known; ++i)
-        if (strcmp(before[i], path) != 0)
-            kept[count++] = before[i];
-    settings_set_list(to, "recent", kept, count < OPEN_RECENT_MAX ? count : OPEN_RECENT_MAX,
-                      OPEN_RECENT_MAX);
-}
-
 static mrt_result open_hands(app *of, const char *path)
 {
     char text[OPEN_PATH + 16];
@@ -240,6 +223,6 @@ mrt_result open_any(app *of, const char *path)
                           &err);
     }
     if (result >= 0)
-        note_recent(app_settings(of), path);
+        open_recent_add(app_settings(of), path);
     return result;
 }

@@ -1,9 +1,9 @@
 /* window/open_any.h - decides what kind of file the stage opens, by its extension or by its first
- * bytes; lists the files of a folder when requested; keeps recent files. Leaves out the dialog
- * (dialogs.h). [main] */
+ * bytes; lists the files of a folder when requested. Leaves out the dialog (dialogs.h). [main] */
 #ifndef MAROTTE_UI_WINDOW_OPEN_ANY_H
 #define MAROTTE_UI_WINDOW_OPEN_ANY_H
 #include "window/app/app.h"
+#include "window/app/open_recent.h"
 
 typedef enum open_kind {
     OPEN_ANY = 0, /* of a file: unknown */
@@ -21,10 +21,6 @@ const char *const *open_endings(open_kind kind); /* ended by NULL; OPEN_ANY: all
 /* Opens a file. Reports errors as messages and returns them. Opens a face without asking about
  * unsaved work. */
 CHECKED mrt_result open_any(app *of, const char *path);
-
-enum { OPEN_RECENT_MAX = 6 };
-/* The newest first; the settings'. */
-uint32_t open_recent(const settings *from, const char *out[OPEN_RECENT_MAX]);
 
 /* ---- folders: other folders, and files of some kinds ---- */
 

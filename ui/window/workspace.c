@@ -10,6 +10,7 @@
 #include "window/panels/hand.h"
 #include "window/streams.h"
 #include "window/timeline/record_menu.h"
+#include "window/tour.h"
 #include "window/viewport/viewport.h"
 #include "window/viewport/virtual_hand.h"
 
@@ -45,7 +46,8 @@ struct workspace {
     ui_screen screen;
 
     dialogs dialogs;
-    bool is_offered; /* what an empty stage offers was answered */
+    offers offers;
+    tour tour;
     help help;
     menus menus;
     ui_rectangle face_at; /* in the last frame */
@@ -135,6 +137,8 @@ static void escape(workspace *self)
         app_do(self->app, ACTION_HAND_KEYS);
     else if (looks->is_helping)
         looks->is_helping = false;
+    else if (self->tour.step != TOUR_OFF && !ui_has_dialog(self->ui))
+        tour_end(&self->tour);
     else if (looks->is_face_only)
         looks->is_face_only = false;
 }
@@ -863,6 +867,17 @@ static void draw_lead_in(workspace *self, ui_rectangle over)
     ui_panel_end(self->ui);
 }
 
+/* What helps a person to begin, at the left edge of the face. */
+static void draw_cards(workspace *self, ui_rectangle stage, ui_rectangle above_news)
+{
+    const bool has_camera = camera_card_draw(self->camera, self->ui, stage);
+    self->offers.has_camera = has_camera;
+    self->offers.when = tour_offers(&self->tour);
+    const float offered = offers_draw(&self->offers, self->app, self->ui, above_news);
+    const tour_room room = {above_news, offered, has_camera};
+    tour_draw(&self->tour, self->app, self->ui, &room);
+}
+
 static void draw_panels(workspace *self, const workspace_layout *on)
 {
     const ui_rectangle room = on->at.face;
@@ -877,8 +892,7 @@ static void draw_panels(workspace *self, const workspace_layout *on)
     if (on->card.width > 0.0f)
         hand_panel_draw_card(docks_panel(self->docks, APP_HAND), self->ui, on->card);
     if (on->has_panels) {
-        camera_card_draw(self->camera, self->ui, on->stage);
-        offers_draw(self->app, self->ui, above_news, &self->is_offered);
+        draw_cards(self, on->stage, above_news);
         docks_draw_over(self->docks, self->ui, &on->at);
     }
     workspace_draw_news(self, room);
@@ -888,6 +902,7 @@ static void draw_panels(workspace *self, const workspace_layout *on)
                   self->screen.scale / window_scale(self->window));
     dialogs_draw(&self->dialogs);
     menus_draw(&self->menus);
+    tour_update(&self->tour, self->app, self->screen.dt_s);
     record_menu_tempo(self->app, self->ui);
 }
 
@@ -895,6 +910,8 @@ static void take_requests(workspace *self)
 {
     if (app_take_request(self->app, ACTION_OPEN))
         dialogs_ask_open(&self->dialogs, OPEN_ANY);
+    if (app_take_request(self->app, ACTION_TOUR))
+        tour_begin(&self->tour, self->app);
     if (app_take_call(self->app, APP_CALL_RECORDING))
         dialogs_ask_open(&self->dialogs, OPEN_HANDS);
     if (app_take_call(self->app, APP_CALL_PICTURE))

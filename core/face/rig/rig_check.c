@@ -847,9 +847,9 @@ static void check_pulls(checking *c, const rig_pose *pose, const char *path, dou
                c->r->contact[which].name, longest, head_mm);
     else if (pose->pull_count > 0 && longest < 1e-3 * head_mm)
         report(c, RIG_WARNING, path,
-               "no contact is pulled by more than %.2g mm: are these metres? Pulls are in mm, "
-               "whatever the unit of the rig",
-               longest);
+               "the pose \"%s\" pulls no contact by more than %.2g mm: are these metres? Pulls "
+               "are in mm, whatever the unit of the rig",
+               pose->name, longest);
 }
 
 /* True for the turns of a bone, which are angles; lateral and forward of a jaw are in mm. */

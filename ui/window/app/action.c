@@ -199,6 +199,8 @@ static const action_entry entries[ACTION_COUNT] = {
     [ACTION_HELP] = {ACTION_PROGRAM, "help", "Keys and appearance",
                      "List all keys and pedals; change keys, text size and colours.", '/',
                      UI_SHIFT},
+    [ACTION_TOUR] = {ACTION_PROGRAM, "tour", "Tour",
+                     "Six steps, from a pull of the face to an export.", UI_KEY_F1, UI_SHIFT},
     [ACTION_QUIT] = {ACTION_PROGRAM, "quit", "Quit", "Quit. The current recording is saved.", 'Q',
                      UI_CONTROL},
 };

@@ -100,6 +100,7 @@ typedef enum action {
     ACTION_PALETTE,        /* Ctrl+Shift+P: finds an action by its name */
     ACTION_GUIDES,         /* F1 */
     ACTION_ABOUT,
+    ACTION_TOUR, /* Shift+F1 */
     ACTION_HELP, /* ? */
     ACTION_QUIT, /* Ctrl+Q */
     ACTION_COUNT

@@ -389,8 +389,9 @@ bool app_has_hand_keys(const app *self); /* the keyboard is a hand now */
 
 /* Something that the pointer pulled or kneaded stays, until Neutral or another face. */
 bool app_is_held(const app *self);
-bool app_has_pulled(const app *self);        /* the pointer took hold of the face in this run */
-void app_begin_pull(app *self);              /* restores the face */
+uint32_t
+app_pull_count(const app *self); /* how often the pointer took hold of the face in this run */
+void app_begin_pull(app *self);  /* restores the face */
 void app_hold(app *self, const char *words); /* what began stays: a step of undo */
 /* Called before the rig changes: removes the held pulls of the pointer, which belong to the
  * previous rig, as a separate undo step. */

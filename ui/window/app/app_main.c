@@ -1,4 +1,5 @@
 #include "window/app/app_shared.h"
+#include "window/app/open_recent.h"
 
 #include "base/installed.h"
 #include "base/clock.h"
@@ -253,24 +254,106 @@ static void open_outputs(app *self)
     }
 }
 
+/* The texts of all outputs, one a line. NULL: no memory. */
+static char *list_outputs(app *self, size_t *out_size)
+{
+    outputs *of = live_outputs(self->live);
+    char *list = NULL;
+    FILE *stream = open_memstream(&list, out_size);
+    output_status now;
+    for (uint32_t i = 0; stream && i < outputs_count(of); ++i) {
+        outputs_status(of, i, &now);
+        (void)fprintf(stream, "%s\n", now.text);
+    }
+    return stream && fclose(stream) == 0 ? list : NULL;
+}
+
+static bool has_line(const char *list, const char *line, size_t length)
+{
+    for (const char *end; (end = strchr(list, '\n')) != NULL; list = end + 1)
+        if ((size_t)(end - list) == length && memcmp(list, line, length) == 0)
+            return true;
+    return false;
+}
+
+/* Closes the outputs that the list lacks, and opens those that only it has. */
+static mrt_result set_outputs(void *owner, const void *value)
+{
+    app *self = owner;
+    const char *wanted = value;
+    outputs *of = live_outputs(self->live);
+    mrt_result result = MRT_OK;
+    size_t size = 0;
+    char *had = list_outputs(self, &size);
+    error err = {""};
+    if (!had)
+        return app_report(self, error_set(&err, MRT_ERR_MEMORY, "no memory for the outputs"), &err);
+    for (uint32_t i = outputs_count(of); i-- > 0;) {
+        output_status now;
+        outputs_status(of, i, &now);
+        if (!has_line(wanted, now.text, strlen(now.text)))
+            outputs_remove(of, i);
+    }
+    for (const char *end; (end = strchr(wanted, '\n')) != NULL; wanted = end + 1) {
+        char *text = has_line(had, wanted, (size_t)(end - wanted))
+                         ? NULL
+                         : strndup(wanted, (size_t)(end - wanted));
+        if (text && app_report(self, outputs_add(of, text, &err), &err) < 0)
+            result = MRT_ERR_IO;
+        free(text);
+    }
+    free(had);
+    keep_outputs(self);
+    return result;
+}
+
+/* Takes `before`, which list_outputs made. */
+static void note_outputs(app *self, const char *what, const char *text, char *before, size_t size)
+{
+    size_t size_after = 0;
+    undo_change made = {.owner = self, .set = set_outputs, .before = before};
+    made.after = list_outputs(self, &size_after);
+    made.bytes = size + size_after;
+    (void)snprintf(made.words, sizeof made.words, "%s output %.120s", what, text);
+    if (made.before && made.after) {
+        undo_list_add(self->undo.list, &made);
+        return;
+    }
+    free(made.before);
+    free(made.after);
+}
+
 mrt_result app_add_output(app *self, const char *text)
 {
     char *spec;
+    size_t size = 0;
     self->output_trouble = (error){""};
     mrt_result result = plugin_list_choose_spec(&self->plugins, text, MRT_FACE_OUTPUT, &spec,
                                                 &self->output_trouble);
+    char *before = list_outputs(self, &size);
     if (result >= 0)
         result = outputs_add(live_outputs(self->live), spec, &self->output_trouble);
-    free(spec);
-    if (result >= 0)
+    if (result >= 0) {
         keep_outputs(self);
+        note_outputs(self, "add", spec, before, size);
+    } else
+        free(before);
+    free(spec);
     return app_report(self, result, &self->output_trouble);
 }
 
 void app_remove_output(app *self, uint32_t index)
 {
-    outputs_remove(live_outputs(self->live), index);
+    outputs *of = live_outputs(self->live);
+    output_status now;
+    size_t size = 0;
+    char *before = list_outputs(self, &size);
+    outputs_status(of, index, &now);
+    char *text = strdup(now.text);
+    outputs_remove(of, index);
     keep_outputs(self);
+    note_outputs(self, "remove", text ? text : "", before, size);
+    free(text);
 }
 
 const char *app_output_trouble(const app *self)
@@ -413,6 +496,8 @@ static void take_inputs(app *self)
         if (one.input)
             result = live_add_input(self->live, one.input, one.text, &one.err);
         self->input_trouble = result < 0 ? one.err : (error){""};
+        if (result < 0)
+            open_recent_remove(self->settings, one.text);
         (void)app_report(self, result, &one.err);
     }
 }
@@ -752,14 +837,14 @@ bool app_is_held(const app *self)
     return self->pulls.is_held;
 }
 
-bool app_has_pulled(const app *self)
+uint32_t app_pull_count(const app *self)
 {
-    return self->pulls.has_pulled;
+    return self->pulls.count;
 }
 
 void app_begin_pull(app *self)
 {
-    self->pulls.has_pulled = true;
+    self->pulls.count += 1;
     begin_pull(self);
 }
 

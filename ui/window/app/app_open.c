@@ -1,4 +1,5 @@
 #include "window/app/app_shared.h"
+#include "window/app/open_recent.h"
 #include "base/installed.h"
 #include "window/gui/theme.h"
 #include "window/app/presets.h"
@@ -567,6 +568,8 @@ void app_follow_audio(app *self)
     e.audio = self->audio.import->audio;
     const mrt_result result =
         app_report(self, self->audio.import->result, &self->audio.import->err);
+    if (result < 0)
+        open_recent_remove(self->settings, self->audio.import->path);
     app_drop_audio(self);
     if (result < 0)
         return;

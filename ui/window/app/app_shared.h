@@ -74,7 +74,7 @@ typedef struct app_recording {
 typedef struct app_pulls {
     app_pulled *begun; /* before the current drag; NULL: none */
     bool is_held;      /* a pull stays on the face */
-    bool has_pulled;   /* since the start of the program */
+    uint32_t count;    /* since the start of the program */
 } app_pulls;
 
 /* A sound that is read into the show. */

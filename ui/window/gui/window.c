@@ -1100,7 +1100,10 @@ static mrt_result glfw_open_output(window *base, const window_output_look *look,
     if (result < 0)
         return result;
     glfwSetKeyCallback(window_output_window(self->output), on_output_key);
-    glfwFocusWindow(self->glfw);
+    /* On a monitor of its own it hides nothing. Else it comes before the stage, and passes on keys.
+     */
+    GLFWwindow *output = window_output_window(self->output);
+    glfwFocusWindow(glfwGetWindowMonitor(output) ? self->glfw : output);
     return MRT_OK;
 }
 

@@ -3,6 +3,7 @@
 #include "window/gui/theme.h"
 #include "window/gui/ui.h"
 #include "window/panels/panels.h"
+#include "window/panels/shown_unit.h"
 #include "window/app/app.h"
 #include "window/app/camera_page.h"
 #include "window/panels/calibrate_guide.h"
@@ -485,8 +486,9 @@ static void draw_strip(ui *on, const mrt_channel *channels, uint32_t count,
     ui_canvas_end(on);
     if (!at.is_hovered || pointed >= known)
         return;
+    const shown_unit unit = shown_unit_of(channels[pointed].unit);
     (void)snprintf(hint, sizeof hint, "%.60s: %.4g %.16s", channels[pointed].name,
-                   (double)sample->value[pointed], channels[pointed].unit);
+                   unit.factor * (double)sample->value[pointed], unit.name);
     ui_hint(on, hint);
 }
 

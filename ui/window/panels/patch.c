@@ -7,6 +7,7 @@
 #include "stage/perform/patch_file.h"
 #include "window/app/channel_learn.h"
 #include "window/gui/theme.h"
+#include "window/panels/shown_unit.h"
 #include "window/viewport/viewport.h"
 
 #include <math.h>
@@ -328,8 +329,18 @@ static void draw_way(panel *self, ui *on, patch_connection *c)
 static void draw_number(panel *self, ui *on, const char *label, const ui_range *range,
                         double *value)
 {
-    if (ui_slider(on, label, LABEL, range, value))
+    const shown_unit unit = shown_unit_of(range->unit);
+    const ui_range shown = {unit.factor * range->min,
+                            unit.factor * range->max,
+                            unit.name,
+                            unit.factor > 1.0 ? 1 : range->digits,
+                            range->is_whole,
+                            unit.factor * range->initial};
+    double number = unit.factor * *value;
+    if (ui_slider(on, label, LABEL, &shown, &number)) {
+        *value = number / unit.factor;
         change(self, label);
+    }
     self->is_held |= ui_slider_is_held(on);
 }
 
@@ -391,6 +402,8 @@ static void draw_ranges(panel *self, ui *on, patch_connection *c, const channels
         low = c->out[0];
         high = c->out[1];
     }
+    if (c->kind == PATCH_POSE || c->kind == PATCH_SHAPE)
+        sliders.min = fmin(low, 0.0); /* below 0 where a channel with a middle plays it so */
     double low_was = low, high_was = high;
     draw_number(self, on, "Output##low", &sliders, &low);
     draw_number(self, on, "to##high", &sliders, &high);

@@ -331,7 +331,7 @@ static void layer_dialog(panel *self, ui *on)
     (void)ui_check(on, "everything", &self->is_everything);
     ui_disabled_begin(on, self->is_everything);
     for (uint32_t region = 0; region < OWN_REGION_COUNT; ++region) {
-        bool has = (self->asked_regions & 1u << region) != 0;
+        bool has = self->is_everything || (self->asked_regions & 1u << region) != 0;
         if (region % 4 != 0)
             ui_at(on, (float)(region % 4) * 88.0f);
         if (ui_check(on, own_part_of((own_region)region)->name, &has))

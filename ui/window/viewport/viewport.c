@@ -905,15 +905,17 @@ static void write_at_edge(const viewport *self, ui *on, const char *text)
 
 static const float quality_scale[] = {1.0f, 0.85f, 0.7f, 0.6f}; /* lower resolutions look coarse */
 
-/* Writes the resolution while it is reduced. */
+/* Writes the resolution while it is reduced, below the sign of the mirror. */
 static void ink_quality(const viewport *self, ui *on)
 {
     char words[64];
     if (self->quality.level == 0)
         return;
-    (void)snprintf(words, sizeof words, "%.0f %% resolution while the face moves",
+    (void)snprintf(words, sizeof words, "Drawing is slow: %.0f %% resolution",
                    100.0 * (double)quality_scale[self->quality.level]);
-    write_on_plate(on, self->where.x + margin, self->where.y + margin, THEME_DIM, words);
+    const float width = ui_text_width(on, UI_STYLE_BODY, words);
+    write_on_plate(on, self->where.x + self->where.width - width - margin,
+                   self->where.y + margin + 26.0f, THEME_DIM, words);
 }
 
 /* Draws the button that removes Shift pulls and clay changes from the face. */
