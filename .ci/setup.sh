@@ -20,6 +20,9 @@ setup_test_packages=(libcmocka-dev sqlite3 libumockdev-dev umockdev liblo-tools 
     libespeak-ng-dev espeak-ng-data xvfb xdotool openbox wmctrl x11-utils picom ffmpeg pipewire pipewire-bin dbus-daemon)
 # For ./test --long: the fuzz targets, clang-tidy, the guide of plugins in a debugger.
 setup_long_packages=(clang libclang-rt-14-dev clang-tidy-14 gdb)
+# For tests/cross.sh; the libraries come from .ci/sysroot.sh and .ci/windows_libraries.sh.
+setup_arm64_packages=(g++-aarch64-linux-gnu qemu-user-static)
+setup_windows_packages=(g++-mingw-w64-x86-64-posix libz-mingw-w64-dev wine wine64 dpkg-dev tcl m4)
 
 # setup_missing PACKAGE...: prints those that are not installed, one a line.
 setup_missing() {

@@ -27,6 +27,8 @@ steps=(
     "whole:all of ctest with every repetition in full"
     "tidy:clang-tidy"
     "replays:golden takes on gcc and clang, -O0 and -O3"
+    "arm64:engine, hand, mesh, face and takes for arm64, in qemu-user"
+    "windows:engine, hand, mesh, face and shows for Windows, in Wine"
     "window:the window, clicked at random: an hour, and ten minutes under the address sanitizer"
     "shows:hostile shows through every command for an hour"
     "outputs:a face sent to all outputs, an hour of \`perform\` and ten minutes of the stage"
@@ -78,6 +80,8 @@ step_busy() {
 step_whole() { built release && ctest_of release -j "$jobs"; }
 step_tidy() { built release && bash tests/house/tidy.sh && echo "no finding"; }
 step_replays() { bash tests/take/replay_builds.sh; }
+step_arm64() { setup_install "${setup_arm64_packages[@]}" && bash tests/cross.sh arm64; }
+step_windows() { setup_install "${setup_windows_packages[@]}" && bash tests/cross.sh windows; }
 step_window() {
     built asan && bash tests/window/soak.sh 600 && built release && bash tests/window/soak.sh 3600
 }
