@@ -22,6 +22,9 @@ setup_test_packages=(libcmocka-dev ruby-mdl sqlite3 libumockdev-dev umockdev lib
 setup_package_packages=(debhelper dpkg-dev librsvg2-bin libcmocka-dev pandoc fakeroot xz-utils)
 # For ./test --long: the fuzz targets, clang-tidy, the guide of plugins in a debugger.
 setup_long_packages=(pandoc clang libclang-rt-14-dev clang-tidy-14 gdb)
+# For tests/cross.sh; the libraries come from .ci/sysroot.sh and .ci/windows_libraries.sh.
+setup_arm64_packages=(g++-aarch64-linux-gnu qemu-user-static)
+setup_windows_packages=(g++-mingw-w64-x86-64-posix libz-mingw-w64-dev wine wine64 dpkg-dev tcl m4)
 
 # setup_missing PACKAGE...: prints those that are not installed, one a line.
 setup_missing() {

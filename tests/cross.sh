@@ -7,7 +7,7 @@ here=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 source "$here/.ci/setup.sh"
 cd "$here"
 preset=${1:-}
-chosen='^(golden/|property/|face/|take/|unit/(base|isa|large|pool|stamps|csrbf|hand_|mesh_|weld|surface_meter|shading|bones|fit$|face_|shape_solve|weights|springs|rig_(parse|write|select|check|paint|parts)|mappings|resume|scheduler|sequencer))'
+chosen='^(golden/|property/|face/|take/|unit/(base|isa|large|pool|stamps|csrbf|hand_|mesh_(cut|expression|gltf$|obj|off|ply|skin|topology)|weld|surface_meter|shading|bones|fit$|face_|shape_solve|weights|springs|rig_(parse|write|select|check|paint|parts)|mappings|resume|scheduler|sequencer))'
 
 missing() {
     echo "SKIPPED: $1"
@@ -21,18 +21,22 @@ case $preset in
 arm64)
     need aarch64-linux-gnu-g++ g++-aarch64-linux-gnu
     need qemu-aarch64-static qemu-user-static
-    # Tests start programs, so the kernel must know qemu: the package does this where it may.
-    aarch64_format=/proc/sys/fs/binfmt_misc/qemu-aarch64
-    [ -e $aarch64_format ] || { [ -w /proc/sys/fs/binfmt_misc/register ] &&
-        cat /usr/lib/binfmt.d/qemu-aarch64.conf >/proc/sys/fs/binfmt_misc/register; } ||
-        missing "the kernel does not start arm64 programs: mount binfmt_misc and install qemu-user-static as root"
+    # Tests start programs: with binfmt_misc the kernel starts them by qemu. On a usual system the package sets this up.
+    [ -e /proc/sys/fs/binfmt_misc/qemu-aarch64 ] || missing "the kernel does not start arm64 programs, mount binfmt_misc and
+        write /usr/lib/binfmt.d/qemu-aarch64.conf to its file register"
     sysroot=$here/build/sysroot/arm64
     setup_step "unpacking arm64 libraries" 0 bash .ci/sysroot.sh arm64 "$sysroot"
     export QEMU_LD_PREFIX=$sysroot
     programs=(marotte-program) ;;
 windows)
     need x86_64-w64-mingw32-g++ g++-mingw-w64-x86-64-posix
-    need wine wine64
+    need wine "wine and wine64"
+    export WINEPREFIX=$here/build/wine WINEDEBUG=-all
+    # One server for all tests: a program that starts while the last server ends fails.
+    mkdir -p "$WINEPREFIX"
+    /usr/lib/wine/wineserver -p
+    wine wineboot --init >/dev/null 2>&1
+    trap '/usr/lib/wine/wineserver -k' EXIT
     setup_step "building Windows libraries" 0 bash .ci/windows_libraries.sh "$here/build/windows-libraries"
     programs=() ;;
 *) echo "usage: tests/cross.sh arm64|windows" >&2; exit 2 ;;

@@ -29,6 +29,8 @@ steps=(
     "replays:golden takes on gcc and clang, -O0 and -O3"
     "twice:two builds in folders of other names, at other times: the same bytes"
     "portable:the portable archive: golden takes, and two builds of it: the same bytes"
+    "arm64:engine, hand, mesh, face and takes for arm64, in qemu-user"
+    "windows:engine, hand, mesh, face and shows for Windows, in Wine"
     "window:the window, clicked at random: an hour, and ten minutes under the address sanitizer"
     "shows:hostile shows through every command for an hour"
     "outputs:a face sent to all outputs, an hour of \`perform\` and ten minutes of the stage"
@@ -86,6 +88,8 @@ step_portable() {
     bash packaging/portable/build.sh &&
         MAROTTE=$here/build/portable/marotte/bin/marotte bash tests/take/golden.sh && bash tests/e2e/twice.sh portable
 }
+step_arm64() { setup_install "${setup_arm64_packages[@]}" && bash tests/cross.sh arm64; }
+step_windows() { setup_install "${setup_windows_packages[@]}" && bash tests/cross.sh windows; }
 step_window() {
     built asan && bash tests/window/soak.sh 600 && built release && bash tests/window/soak.sh 3600
 }

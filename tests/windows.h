@@ -1,4 +1,5 @@
-/* tests/windows.h - what tests use of POSIX and mingw-w64 lacks. Included before each test that is built for Windows. */
+/* tests/windows.h - what tests use of POSIX and mingw-w64 lacks. Included before each test that is
+ * built for Windows. */
 #ifndef MAROTTE_TESTS_WINDOWS_H
 #define MAROTTE_TESTS_WINDOWS_H
 #include "base/os.h"

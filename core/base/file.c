@@ -58,7 +58,8 @@ mrt_result file_read(file_bytes *out, const char *path, size_t size_cap, error *
         goto fail;
     }
     while (out->size < (size_t)status.st_size) {
-        ssize_t got = read(fd, out->data + out->size, (size_t)status.st_size - out->size);
+        ssize_t got = os_read_at(fd, out->data + out->size, (size_t)status.st_size - out->size,
+                                 (int64_t)out->size);
         if (got < 0 && errno == EINTR)
             continue;
         if (got < 0) {

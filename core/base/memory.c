@@ -35,10 +35,6 @@ static void reserve_heap(void)
         (void)madvise((void *)first, end - first, MADV_HUGEPAGE); /* else it stays on small pages */
     free((void *)at);
 }
-#else
-static void reserve_heap(void)
-{
-}
 #endif
 
 void memory_set_up(void)
@@ -48,6 +44,8 @@ void memory_set_up(void)
     (void)mallopt(M_MMAP_THRESHOLD, LARGE_AT_START_BYTES);
     (void)mallopt(M_TRIM_THRESHOLD, HEAP_AT_START_BYTES);
     (void)mallopt(M_TOP_PAD, HEAP_AT_START_BYTES);
+#endif
+#if defined(__GLIBC__) && defined(MADV_HUGEPAGE)
     reserve_heap();
 #endif
 }

@@ -88,7 +88,8 @@ int os_start_thread(pthread_t *out, void *(*run)(void *data), void *data);
 long os_thread_id(void);
 /* The time that pthread_cond_timedwait expects for a time of base/clock.h. */
 struct timespec os_condition_time(int64_t time_ns);
-/* Registers functions for fork(). Without processes that fork it does nothing. */
+/* Registers functions that run when this process is copied. Does nothing where that is impossible.
+ */
 void os_on_fork(void (*before)(void), void (*in_parent)(void), void (*in_child)(void));
 
 /* ---- this program ---- */

@@ -9,7 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum { TRACE_LINE = 400 };
 
@@ -64,9 +63,7 @@ void trace_print(trace_room room, const char *format, ...)
     (void)vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
     text_make_printable(text);
-    const int length =
-        snprintf(line, sizeof line, "%.6f %ld %s: %s\n", 1e-9 * (double)clock_now_ns(),
-                 os_thread_id(), room_names[room], text);
-    if (length > 0)
-        (void)!write(STDERR_FILENO, line, (size_t)length);
+    (void)snprintf(line, sizeof line, "%.6f %ld %s: %s\n", 1e-9 * (double)clock_now_ns(),
+                   os_thread_id(), room_names[room], text);
+    (void)fputs(line, stderr); /* unbuffered, so lines of several threads stay whole */
 }

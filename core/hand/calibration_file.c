@@ -451,22 +451,51 @@ static void set_file(json_writer *writer, json_t *root, const calibration_file *
     }
 }
 
-/* One member per line, and one line per sensor, so that a person can find them. */
-static bool print_members(FILE *stream, json_t *object, const char *indent)
+typedef struct growing_text {
+    char *data; /* owned; ends with 0 */
+    size_t size, capacity;
+} growing_text;
+
+/* Returns 0, or -1 without memory, as json_dump_callback expects. */
+static int append(const char *bytes, size_t size, void *data)
+{
+    growing_text *to = data;
+    if (to->size + size >= to->capacity) {
+        const size_t capacity = 2 * (to->size + size) + 1;
+        char *longer = realloc(to->data, capacity);
+        if (!longer)
+            return -1;
+        to->data = longer;
+        to->capacity = capacity;
+    }
+    memcpy(to->data + to->size, bytes, size);
+    to->size += size;
+    to->data[to->size] = '\0';
+    return 0;
+}
+
+static bool append_word(growing_text *to, const char *word)
+{
+    return append(word, strlen(word), to) != 0;
+}
+
+/* One member per line, and one line per sensor, so that a person can find them. Returns true if it
+ * failed. */
+static bool print_members(growing_text *to, json_t *object, const char *indent)
 {
     bool failed = false;
     const char *joint = "";
     for (void *at = json_object_iter(object); at; at = json_object_iter_next(object, at)) {
         json_t *key = json_string(json_object_iter_key(at)), *value = json_object_iter_value(at);
         bool is_split = indent[2] == '\0' && strcmp(json_object_iter_key(at), "sensors") == 0;
-        failed |= fprintf(stream, "%s%s", joint, indent) < 0;
-        failed |= json_dumpf(key, stream, TEXT_FLAGS) != 0 || fputs(": ", stream) < 0;
+        failed |= append_word(to, joint) || append_word(to, indent);
+        failed |= json_dump_callback(key, append, to, TEXT_FLAGS) != 0 || append_word(to, ": ");
         json_decref(key);
         if (is_split) {
-            failed |= fputs("{\n", stream) < 0 || print_members(stream, value, "    ");
-            failed |= fputs("\n  }", stream) < 0;
+            failed |= append_word(to, "{\n") || print_members(to, value, "    ");
+            failed |= append_word(to, "\n  }");
         } else {
-            failed |= json_dumpf(value, stream, TEXT_FLAGS) != 0;
+            failed |= json_dump_callback(value, append, to, TEXT_FLAGS) != 0;
         }
         joint = ",\n";
     }
@@ -475,19 +504,14 @@ static bool print_members(FILE *stream, json_t *object, const char *indent)
 
 static char *text_of(json_t *root)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *stream = open_memstream(&text, &size);
-    if (!stream)
-        return NULL;
-    bool failed = fputs("{\n", stream) < 0 || print_members(stream, root, "  ");
-    failed |= fputs("\n}\n", stream) < 0;
-    failed |= fclose(stream) != 0;
+    growing_text text = {0};
+    const bool failed = append_word(&text, "{\n") || print_members(&text, root, "  ") ||
+                        append_word(&text, "\n}\n");
     if (failed) {
-        free(text);
+        free(text.data);
         return NULL;
     }
-    return text;
+    return text.data;
 }
 
 char *calibration_file_text(const calibration_file *file)

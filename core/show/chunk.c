@@ -276,7 +276,7 @@ static bool inflate_plain(uint8_t *out, size_t size, const uint8_t *bytes, size_
 size_t chunk_bound(uint32_t sample_count, uint32_t channel_count)
 {
     size_t head = PREFIX_BYTES + 8 + 5 * VARINT_MAX;
-    return head + compressBound(plain_bound(sample_count, channel_count));
+    return head + compressBound((uLong)plain_bound(sample_count, channel_count));
 }
 
 static mrt_result check_samples(const mrt_sample *samples, uint32_t count, error *err)
