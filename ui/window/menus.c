@@ -62,12 +62,8 @@ static void draw_recent(menus *self)
         ui_rule(self->ui);
 }
 
-void menus_draw_menu(menus *self, float x, float y)
+static void draw_items(menus *self)
 {
-    if (app_take_request(self->app, ACTION_MENU))
-        ui_menu_open(self->ui, menu_id, x, y);
-    if (!ui_open_menu_begin(self->ui, menu_id))
-        return;
     bool has_recent = false;
     for (uint32_t i = 0; i < MENU_ACTIONS; ++i) {
         if (menu_actions[i] != ACTION_NONE) {
@@ -79,7 +75,18 @@ void menus_draw_menu(menus *self, float x, float y)
             draw_recent(self);
         has_recent = true;
     }
-    ui_menu_end(self->ui);
+}
+
+static void draw_menu(menus *self, float x, float y)
+{
+    ui_panel_begin(self->ui, menu_id, (ui_rectangle){x, y, 1.0f, 1.0f}, UI_GROUND_NONE);
+    if (app_take_request(self->app, ACTION_MENU))
+        ui_menu_open(self->ui, menu_id, x, y);
+    if (ui_open_menu_begin(self->ui, menu_id)) {
+        draw_items(self);
+        ui_menu_end(self->ui);
+    }
+    ui_panel_end(self->ui);
 }
 
 /* ---- the search for a command ---- */
@@ -245,7 +252,7 @@ static void follow_browser(menus *self)
     self->browser = 0;
 }
 
-void menus_draw(menus *self)
+void menus_draw(menus *self, float x, float y)
 {
     if (app_take_request(self->app, ACTION_PALETTE)) {
         self->sought[0] = '\0';
@@ -257,6 +264,7 @@ void menus_draw(menus *self)
     if (app_take_request(self->app, ACTION_GUIDES) && self->browser == 0)
         show_guides(self);
     follow_browser(self);
+    draw_menu(self, x, y);
     draw_palette(self);
     draw_about(self);
 }

@@ -18,9 +18,7 @@ typedef struct menus {
 
 /* dialogs: opens recent files. */
 void menus_init(menus *out, app *of, ui *on, dialogs *with);
-/* Within the panel of the bar: the menu opens at a place on the screen. */
-void menus_draw_menu(menus *self, float x, float y);
-/* Each frame, over all panels. */
-void menus_draw(menus *self);
+/* Each frame, over all panels. x, y: where the menu opens. */
+void menus_draw(menus *self, float x, float y);
 
 #endif

@@ -20,7 +20,7 @@ static void enter(tour *self, app *of, tour_step step)
     self->has_recorded = false;
     self->take = 0;
     if (step == TOUR_TRIM)
-        app_looks_of(of)->has_timeline = true; /* the clips are there */
+        app_looks_of(of)->layouts.now.has_timeline = true; /* the clips are there */
 }
 
 void tour_begin(tour *self, app *of)

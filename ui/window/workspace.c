@@ -304,8 +304,9 @@ static void workspace_draw_news(workspace *self, ui_rectangle over)
 
 /* The bar at the top: what is open, what is being recorded and where one is, how fast it goes. */
 
-#define ICON 34.0f
-#define GAP  14.0f
+#define ICON   34.0f
+#define MENU_X 6.0f
+#define GAP    14.0f
 
 static const int64_t KEEP_NS = 30 * NS_PER_S;
 
@@ -715,7 +716,8 @@ static void bar_draw(workspace *self, ui_rectangle where)
     ui_draw_box(self->ui, where, THEME_BAR, 0.0f);
     ui_draw_box(self->ui, (ui_rectangle){where.x, where.y + where.height - 1.0f, where.width, 1.0f},
                 THEME_RULE, 0.0f);
-    const ui_rectangle menu = {where.x + 6.0f, where.y + 0.5f * (where.height - ICON), ICON, ICON};
+    const ui_rectangle menu = {where.x + MENU_X, where.y + 0.5f * (where.height - ICON), ICON,
+                               ICON};
     const float names = where.width * 0.2f < 260.0f ? where.width * 0.2f : 260.0f;
     const float left = menu.x + menu.width, middle = left + names + GAP;
     put_sign(&p, menu, ACTION_MENU, sign_menu, false);
@@ -726,7 +728,6 @@ static void bar_draw(workspace *self, ui_rectangle where)
     if (p.canvas.is_pressed && p.canvas.button == 1 && is_over(&p, record_box(&p, middle)))
         record_menu_open(self->ui, middle, where.y + where.height);
     record_menu_draw(self->app, self->ui);
-    menus_draw_menu(&self->menus, menu.x, where.y + where.height);
     ui_panel_end(self->ui);
 }
 
@@ -901,7 +902,7 @@ static void draw_panels(workspace *self, const workspace_layout *on)
                   (ui_rectangle){0.0f, 0.0f, self->screen.width, self->screen.height},
                   self->screen.scale / window_scale(self->window));
     dialogs_draw(&self->dialogs);
-    menus_draw(&self->menus);
+    menus_draw(&self->menus, MENU_X, on->at.bar.height);
     tour_update(&self->tour, self->app, self->screen.dt_s);
     record_menu_tempo(self->app, self->ui);
 }

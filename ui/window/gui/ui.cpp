@@ -1395,7 +1395,7 @@ bool ui_choice(ui *self, const char *label, float label_width, const char *const
         for (uint32_t i = 0; i < count; ++i) {
             ImGui::PushID(static_cast<int>(i));
             if (i == *index && ImGui::IsWindowAppearing() && has_ring)
-                ui_focus_claim(&self->focus);
+                ui_focus_claim(&self->focus, ImGui::GetID(items[i]));
             if (ui_row(self, items[i], i == *index) != UI_ROW_NONE) {
                 has_changed = i != *index;
                 *index = i;

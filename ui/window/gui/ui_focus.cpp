@@ -12,13 +12,15 @@ void ui_focus_begin(ui_focus *self, const ui_frame_input *input, bool has_menu)
     const ImGuiContext &g = *ImGui::GetCurrentContext();
     const int level = ImMin(g.OpenPopupStack.Size, UI_FOCUS_LEVELS - 1);
     for (int i = self->level + 1; i <= level; ++i)
-        self->at[i] = 0;
+        self->at[i] = i == level ? self->claimed : 0;
+    self->has_moved |= level > self->level && self->claimed != 0;
+    self->claimed = 0;
     self->level = level;
     const uint32_t modifiers = ui_frame_modifiers(input);
     const bool is_back = modifiers == UI_SHIFT;
     self->order.resize(0);
     self->step = 0;
-    self->is_claimed = self->is_seen = self->has_arrived = false;
+    self->is_seen = self->has_arrived = false;
     self->took_arrows = self->takes_arrows;
     self->takes_arrows = false;
     if (input->pressed[UI_KEY_TAB] && (modifiers == 0 || is_back))
@@ -48,11 +50,6 @@ bool ui_focus_add(ui_focus *self, const char *label, ImGuiID id, const ImRect &b
     if (is_disabled || ImMin(g.BeginPopupStack.Size, UI_FOCUS_LEVELS - 1) != self->level)
         return false;
     self->order.push_back(id);
-    if (self->is_claimed) {
-        self->is_claimed = false;
-        here(self) = id;
-        self->has_moved = true;
-    }
     if (here(self) != id)
         return false;
     ImGuiWindow *window = ImGui::GetCurrentWindow();
@@ -67,9 +64,9 @@ bool ui_focus_add(ui_focus *self, const char *label, ImGuiID id, const ImRect &b
     return true;
 }
 
-void ui_focus_claim(ui_focus *self)
+void ui_focus_claim(ui_focus *self, ImGuiID id)
 {
-    self->is_claimed = true;
+    self->claimed = id;
 }
 
 int ui_focus_arrows(ui_focus *self, const ui_frame_input *input, bool is_upright)

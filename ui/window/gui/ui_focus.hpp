@@ -19,7 +19,8 @@ struct ui_focus {
     int level;                   /* of the innermost dialog or menu; 0: the panels */
     ImVector<ImGuiID> order;     /* controls of this frame, at that level */
     int step;                    /* of this frame: 1 forwards, -1 backwards */
-    bool is_pressing, is_claimed;
+    bool is_pressing;
+    ImGuiID claimed;  /* gets the ring as the menu opens that is opened in this frame; 0: none */
     bool is_escaping; /* Escape has taken the ring away in this frame */
     bool has_moved,
         has_arrived; /* the ring comes to a control with its next frame; in this frame */
@@ -35,8 +36,8 @@ void ui_focus_begin(ui_focus *self, const ui_frame_input *input, bool has_menu);
  * the panel. */
 bool ui_focus_add(ui_focus *self, const char *label, ImGuiID id, const ImRect &box,
                   bool is_disabled);
-/* The next control that is added gets the ring. */
-void ui_focus_claim(ui_focus *self);
+/* The control of a menu that opens in this frame gets the ring. */
+void ui_focus_claim(ui_focus *self, ImGuiID id);
 /* Left and right, or up and down, change the control with the ring: its arrows are no action's.
  * Returns how far. */
 int ui_focus_arrows(ui_focus *self, const ui_frame_input *input, bool is_upright);
