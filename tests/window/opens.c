@@ -51,7 +51,7 @@ static void an_empty_stage_offers_four_ways_in_this_order(void **state)
     assert_true(y_of("Keyboard hand") < y_of("Try a demo hand"));
     assert_true(y_of("Try a demo hand") < y_of("Mouse"));
     const float beside_head = 0.18f * s.height; /* of the middle of the face's picture */
-    const float middle = 0.5f * (s.width - app_looks_of(s.app)->dock_width);
+    const float middle = 0.5f * (s.width - app_looks_of(s.app)->layouts.now.width[PLACE_RIGHT]);
     const ui_word *widest = scene_word(&s, "Try a demo hand");
     assert_true(widest && widest->where.x + widest->where.width < middle - beside_head);
     scene_look(&s, "opens_offers");

@@ -50,7 +50,7 @@ static void check_place(void)
     for (size_t i = 0; i < sizeof words / sizeof words[0]; ++i) {
         const ui_word *word = scene_word_with(&s, words[i]);
         assert_non_null(word);
-        const float middle = 0.5f * (s.width - app_looks_of(s.app)->dock_width);
+        const float middle = 0.5f * (s.width - app_looks_of(s.app)->layouts.now.width[PLACE_RIGHT]);
         const float nearest =
             fminf(fabsf(word->where.x - middle), fabsf(word->where.x + word->where.width - middle));
         assert_true(nearest > 0.18f * s.height); /* half of the puppet's head */
@@ -103,7 +103,8 @@ static void each_step_is_done_when_the_person_did_it(void **state)
     assert_true(scene_until(&s, has_take, NULL));
     check_place();
     scene_look(&s, "tour_trim");
-    const float end = s.width - app_looks_of(s.app)->dock_width - 13.0f; /* of the clip */
+    const float end =
+        s.width - app_looks_of(s.app)->layouts.now.width[PLACE_RIGHT] - 13.0f; /* of the clip */
     scene_drag(&s, end, 0.87f * s.height, end - 150.0f, 0.87f * s.height, 10);
     scene_move(&s, 0.4f * s.width, 20.0f); /* away from the hints of the timeline */
     expect("(Ctrl+E)");
