@@ -476,6 +476,10 @@ static void where_threads_cannot_be_had_there_are_fewer(void **state)
         print_message("SKIPPED: the sanitizer needs memory of its own\n");
         skip();
     }
+    if (getenv("QEMU_LD_PREFIX")) {
+        print_message("SKIPPED: qemu-user has memory of its own\n");
+        skip();
+    }
     use_threads("16");
     pid_t child = fork();
     assert_true(child >= 0);
