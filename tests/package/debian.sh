@@ -23,9 +23,7 @@ changes=$(ls "$made"/marotte_"$version"_*.changes)
 lintian --pedantic --suppress-tags bad-distribution-in-changes-file,initial-upload-closes-no-bugs "$changes" >"$made/lintian.txt" 2>&1
 cat "$made/lintian.txt"
 grep -qE '^[EW]:' "$made/lintian.txt" && fail "lintian has an error or a warning"
-# The log of the newest build is the end of all that was set up.
-awk '/^\$ / { text = "" } { text = text $0 "\n" } END { printf "%s", text }' "$here/build/setup.log" >"$made/build.txt"
-blhc --all "$made/build.txt" >"$made/blhc.txt" 2>&1 || { fail "blhc: $(tail -n 5 "$made/blhc.txt")"; }
+blhc --all "$made/build.log" >"$made/blhc.txt" 2>&1 || { fail "blhc: $(tail -n 5 "$made/blhc.txt")"; }
 needed=$(dpkg-deb -f "$program" Depends)
 for optional in libasound2 libopenxr-loader1 ffmpeg pocketsphinx-en-us; do
     grep -qE "(^|[ ,])$optional\b" <<<"$needed" && fail "the package requires $optional, which is optional"
