@@ -11,11 +11,7 @@ take() { marotte take "$@" >"$scratch/said" 2>&1 || fail "take $*: $(cat "$scrat
 # ---- the files ----
 cp "$moai" girl.glb
 cp "$SOURCE_DIR/tests/golden/o03_ten_tips_anchored.json" case.json
-marotte perform --face puppet --input log:demo,end=4 --map one_hand --record voice.marotte >"$scratch/said" 2>&1 ||
-    fail "a voice: $(cat "$scratch/said")"
-take audio attach voice.marotte 1 "$SOURCE_DIR/plugins/log/demo.ogg"
-take export voice.marotte 1 --export voice.wav
-rm voice.marotte
+cp "$SOURCE_DIR/plugins/log/demo.ogg" voice.wav # a voice: its content says what it is
 for shot in a b c; do
     marotte perform --face puppet --input log:demo_hand.csv,start=11,end=15 --map one_hand --record show.marotte --scene 1 \
         --shot $shot >"$scratch/said" 2>&1 || fail "perform: $(cat "$scratch/said")"

@@ -14,7 +14,6 @@ while read -r line; do
     case $line in
     "" | "#"* | ./test*) continue ;;
     "./run bench --quick" | "./run paper --quick") continue ;; # bench/gate and e2e/paper run these
-    "./run package" | "sudo apt install ./build/package/"*) continue ;; # tests/package/debian.sh runs these
     "./run stage"*) line="$line --hidden --seconds 1" ;;
     blender*) command -v blender >/dev/null || { echo "SKIPPED: Blender is not installed: $line"; continue; } ;;
     esac
