@@ -155,6 +155,7 @@ setup_package() {
     fi
     rm -rf "$made"
     mkdir -p "$made/marotte-$version"
+    local setup_log=$made/build.log
     (cd "$here" && "${list[@]}" | tar --null --files-from=- --ignore-failed-read --create) |
         tar --extract --directory "$made/marotte-$version"
     setup_step "packing the sources" 0 tar --create --auto-compress --file "$made/marotte_$version.orig.tar.xz" \

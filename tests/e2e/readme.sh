@@ -24,7 +24,6 @@ for guide in $(sed -nE '/^#/! s/^([^ ]+\.md).*/\1/p' ui/guide/contents.txt); do
     while read -r line; do
         case $line in
         "" | "#"* | ./test*) continue ;;
-        "./run package" | "sudo apt install ./build/package/"*) continue ;; # package/debian runs these
         "marotte bench --quick" | "marotte paper --quick") continue ;; # bench/gate and e2e/paper run these
         "marotte stage"*) line="$line --hidden --seconds 1" ;;
         blender*) command -v blender >/dev/null || { echo "SKIPPED: Blender is not installed: $line"; continue; } ;;

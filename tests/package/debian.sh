@@ -23,9 +23,7 @@ changes=$(ls "$made"/marotte_"$version"_*.changes)
 lintian --pedantic --suppress-tags bad-distribution-in-changes-file,initial-upload-closes-no-bugs "$changes" >"$made/lintian.txt" 2>&1
 cat "$made/lintian.txt"
 grep -qE '^[EW]:' "$made/lintian.txt" && fail "lintian has an error or a warning"
-# The log of the newest build is the end of all that was set up.
-awk '/^\$ / { text = "" } { text = text $0 "\n" } END { printf "%s", text }' "$here/build/setup.log" >"$made/build.txt"
-blhc --all "$made/build.txt" >"$made/blhc.txt" 2>&1 || { fail "blhc: $(tail -n 5 "$made/blhc.txt")"; }
+blhc --all "$made/build.log" >"$made/blhc.txt" 2>&1 || { fail "blhc: $(tail -n 5 "$made/blhc.txt")"; }
 needed=$(dpkg-deb -f "$program" Depends)
 for optional in libasound2 libopenxr-loader1 ffmpeg pocketsphinx-en-us; do
     grep -qE "(^|[ ,])$optional\b" <<<"$needed" && fail "the package requires $optional, which is optional"
@@ -75,6 +73,8 @@ tests_need() { # TEST: of debian/tests/control, without the packages themselves
         tr ' ' '\n' | grep -v '^marotte\|^$'
 }
 within apt-get update -q >"$made/apt.txt" 2>&1 || fail "apt-get update: $(tail -n 3 "$made/apt.txt")"
+echo "on a bare system, $(within apt-get install --assume-no --no-install-recommends "/packages/$(basename "$program")" 2>&1 |
+    sed -nE 's/^.* ([0-9]+) newly installed.*/\1 packages/p; s/^After this operation, (.*) will be used.*/\1/p' | paste -sd ' ')"
 mapfile -t needs < <({ tests_need demo; tests_need plugin; } | sort -u)
 within apt-get install -q -y --no-install-recommends "${needs[@]}" >>"$made/apt.txt" 2>&1 || fail "what the tests need: $(tail -n 3 "$made/apt.txt")"
 within apt-mark manual "${needs[@]}" >/dev/null
@@ -90,13 +90,12 @@ done
 as_anna bash -c 'cd && mkdir -p Documents && marotte perform --face puppet --input log:demo,end=1 --map one_hand --record Documents/mine.marotte' >/dev/null 2>&1 ||
     fail "a show at home"
 as_anna bash -c 'cd && xvfb-run --auto-servernum marotte Documents/mine.marotte --seconds 2' >"$made/window.txt" 2>&1 || fail "the window: $(tail -n 3 "$made/window.txt")"
-# The first start from the package, without the time of a first start of the disk.
-as_anna bash -c 'cd && time marotte perform --face puppet --input log:demo,end=0.1 --map one_hand' 2>&1 | sed -n 's/^real/first face after/p'
+as_anna bash -c 'cd && time marotte stage --hidden --seconds 0.1 --face puppet' 2>&1 | sed -n 's/^real\t/the stage opens, draws for 0.1 s and ends in /p'
 
 # ---- nothing is left ----
 within apt-get purge -q -y marotte marotte-dev >"$made/purge.txt" 2>&1 || fail "purge: $(tail -n 3 "$made/purge.txt")"
-within apt-get autoremove -q -y --purge >>"$made/purge.txt" 2>&1
-left=$(find "$root" -xdev \( -path "$root/packages" -o -path "$root/home" -o -path "$root/var/log" -o -path "$root/proc" \) -prune -o -iname '*marotte*' -print
+within apt-get -o APT::AutoRemove::SuggestsImportant=false -o APT::AutoRemove::RecommendsImportant=false autoremove -q -y --purge >>"$made/purge.txt" 2>&1
+left=$(find "$root" -mindepth 1 -xdev \( -path "$root/packages" -o -path "$root/home" -o -path "$root/var/log" -o -path "$root/proc" \) -prune -o -iname '*marotte*' -print
     grep -rl marotte "$root/usr/share/mime" "$root/usr/share/applications" "$root/etc" 2>/dev/null)
 [ -z "$left" ] || fail "these are left: $left"
 [ "$(within dpkg-query -W -f '${Package}\n' | sort)" = "$packages_before" ] ||
