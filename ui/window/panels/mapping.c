@@ -862,13 +862,11 @@ static void draw_groups(panel *self, ui *on, instance *mapping)
     }
 }
 
-static void mapping_params_draw(panel *self, ui *on, instance *mapping)
+/* Above the list: it does not scroll with it. */
+static void mapping_find_draw(panel *self, ui *on, instance *mapping)
 {
-    follow_lessons(self, mapping);
-    if (mapping->type->param_count == 0) {
-        ui_text(on, UI_STYLE_DIM, "This mapping has no parameters.");
+    if (mapping->type->param_count == 0)
         return;
-    }
     ui_width(on, -92.0f);
     (void)ui_input(on, "##find", "Find a parameter", self->find, sizeof self->find);
     ui_same_line(on);
@@ -882,7 +880,14 @@ static void mapping_params_draw(panel *self, ui *on, instance *mapping)
     }
     ui_hint(on, "Reset all parameters except finger links. Double-click a parameter to reset only "
                 "that one.");
-    if (self->find[0])
+}
+
+static void mapping_params_draw(panel *self, ui *on, instance *mapping)
+{
+    follow_lessons(self, mapping);
+    if (mapping->type->param_count == 0)
+        ui_text(on, UI_STYLE_DIM, "This mapping has no parameters.");
+    else if (self->find[0])
         draw_found(self, on, mapping);
     else
         draw_groups(self, on, mapping);
@@ -1402,6 +1407,9 @@ static void draw_mapping(panel *self, ui *on, instance *mapping, bool is_low)
     mapping_presets_draw(self, on, mapping);
     ui_space(on, 2.0f);
     (void)ui_tabs(on, "tabs", tabs, TABS, &self->tab);
+    ui_space(on, is_low ? 0.0f : 4.0f);
+    if (!is_low && self->tab == TAB_PARAMETERS)
+        mapping_find_draw(self, on, mapping);
     if (!is_low)
         ui_scroll_begin(on, tabs[self->tab], 0.0f, 0.0f);
     ui_space(on, 4.0f);
@@ -1420,6 +1428,8 @@ static void draw(panel *self, ui *on, ui_rectangle where)
     instance *mapping = follow_mapping(self);
     const bool is_low = where.height < LOW_POINTS;
     ui_panel_begin(on, "mapping", where, UI_GROUND_PANEL);
+    if (is_low && mapping && self->tab == TAB_PARAMETERS)
+        mapping_find_draw(self, on, mapping);
     if (is_low)
         ui_scroll_begin(on, "all", 0.0f, 0.0f);
     draw_choice(self, on);
