@@ -944,7 +944,7 @@ bool ui_tabs_each(ui *self, const char *id, const char *const *names, uint32_t c
     ImGui::PushID(id);
     ImGui::PushStyleVar(ImGuiStyleVar_ItemSpacing, ImVec2(0.0f, 0.0f));
     const float column = ImFloor(room / static_cast<float>(across)); /* of several rows */
-    const bool is_table = rows > 1 && widest_tab(self, names, count) + 2.0f <= column;
+    const bool is_table = rows > 1 && widest_tab(self, names, count) + ui_px(self, 6.0f) <= column;
     for (uint32_t first = 0; first < count; first += across) {
         const uint32_t end = ImMin(first + across, count);
         const float even =
