@@ -44,8 +44,9 @@ done
 "$@" help | sed -n '3,$p' >"$scratch/all"
 page marotte 1 "perform a face with your hands" "${commands# } $formats" "$scratch/all"
 page marotte-show 5 "the file of takes and their edits" "marotte(1) marotte-take(1)" -v markdown=1 -v from="# " "$sources/core/show/show_format.md"
-page marotte-rig 5 "the description of a face that can be performed" "marotte(1) marotte-rig(1)" -v markdown=1 -v from="## The rig file" \
-    -v to="## The Moai" "$sources/rigs/README.md"
+rig=$(grep -lE '^##? The rig file$' "$sources"/rigs/*.md | head -n 1)
+page marotte-rig 5 "the description of a face that can be performed" "marotte(1) marotte-rig(1)" -v markdown=1 \
+    -v from="$(grep -m 1 -E '^##? The rig file$' "$rig")" -v to="## The Moai" "$rig"
 page marotte-log 5 "a recorded hand" "marotte(1) marotte-perform(1)" -v markdown=1 -v from="## The log table" -v to="## The recordings" "$sources/plugins/log/README.md"
 page marotte-patch 5 "what faders, sticks and tracked shapes move" "marotte(1) marotte-perform(1)" -v markdown=1 -v from="# " "$sources/ui/patches/README.md"
 
