@@ -342,6 +342,7 @@ void help_draw(help *self, app *of, ui *on, ui_rectangle where, float zoom)
     const char *says = self->says[0] ? self->says : end;
     const float left = inner.x + 96.0f, room = inner.width - 96.0f;
     const float width = fminf(ui_text_width(on, UI_STYLE_BODY, says), room);
+    ui_focus_covers(on);
     ui_panel_begin(on, "help", where, UI_GROUND_NONE);
     ui_draw_box(on, where, THEME_STAGE, 0.0f);
     ui_draw_text(on, inner.x, inner.y, UI_STYLE_LARGE, THEME_TEXT, 0.0f, "Keys");

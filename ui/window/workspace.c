@@ -327,9 +327,9 @@ static bool is_over(const pen *p, ui_rectangle box)
            y < box.y + box.height;
 }
 
-static bool is_pressed(const pen *p, ui_rectangle box)
+static bool is_pressed(const pen *p, const char *label, ui_rectangle box)
 {
-    return p->canvas.is_pressed && p->canvas.button == 0 && is_over(p, box);
+    return ui_canvas_button(p->on, &p->canvas, label, box, true);
 }
 
 static void words_of_key(const pen *p, action of, char out[KEY_WORDS])
@@ -362,7 +362,7 @@ static void put_sign(pen *p, ui_rectangle box, action of, paint_sign *sign, bool
                  : THEME_TEXT);
     if (is_hovered)
         hint_action(p, of);
-    if (is_pressed(p, box))
+    if (is_pressed(p, action_of(of)->title, box))
         app_do(p->workspace->app, of);
 }
 
@@ -379,7 +379,7 @@ static float put_word(pen *p, float right, action of, const char *word, bool is_
                  is_on ? THEME_ACCENT : THEME_TEXT, 0.0f, word);
     if (is_over(p, box))
         hint_action(p, of);
-    if (is_pressed(p, box))
+    if (is_pressed(p, action_of(of)->title, box))
         app_do(p->workspace->app, of);
     return box.x;
 }
@@ -412,7 +412,7 @@ static void put_name(pen *p, float x, float y, float width, ui_style style, uint
                        keys[0] ? ")" : "");
     }
     ui_draw_text(p->on, box.x + 6.0f, y, style, ink, width - 12.0f, name);
-    if (is_pressed(p, box))
+    if (is_pressed(p, kind == OPEN_SHOW ? "Open another show" : "Open another face", box))
         dialogs_ask_open(&p->workspace->dialogs, kind);
 }
 
@@ -654,7 +654,7 @@ static float put_exports(pen *p, float right)
     if (is_over(p, box))
         (void)snprintf(p->hint, sizeof p->hint, "%.440s\nHow far it is, and to cancel it",
                        first.file);
-    if (is_pressed(p, box))
+    if (is_pressed(p, "Exporting", box))
         export_page_ask_going(&p->workspace->dialogs.exports);
     return box.x;
 }

@@ -1551,6 +1551,11 @@ bool ui_slider_is_held(const ui *self)
 
 /* ---- what is typed ---- */
 
+void ui_focus_covers(ui *self)
+{
+    ui_focus_forget(&self->focus);
+}
+
 const char *ui_ringed(const ui *self)
 {
     return self->focus.label;
@@ -1689,6 +1694,16 @@ void ui_canvas_begin(ui *self, const char *id, float width, float height, ui_can
     out->modifiers = ui_modifiers(self);
     follow_drag(self, ImGui::GetItemID(), box, out);
     ImGui::PushClipRect(box.Min, box.Max, true);
+}
+
+bool ui_canvas_button(ui *self, const ui_canvas *canvas, const char *label, ui_rectangle where,
+                      bool is_enabled)
+{
+    const bool has_ring =
+        ui_focus_add(&self->focus, label, ImGui::GetID(label), ui_px_box(self, where), !is_enabled);
+    const bool is_clicked =
+        canvas->is_pressed && canvas->button == 0 && ui_canvas_is_over(canvas, where);
+    return is_enabled && (is_clicked || (has_ring && self->focus.is_pressing));
 }
 
 void ui_canvas_end(ui *self)

@@ -177,6 +177,8 @@ bool ui_has_dialog(const ui *self); /* one was drawn in the last frame */
 /* ---- keys: Tab goes round the controls (ui_focus.hpp); Enter, Space and the arrows are then
  * theirs ---- */
 
+/* What is drawn next covers the panels before: Tab does not reach them. */
+void ui_focus_covers(ui *self);
 /* Label of the control with the ring of the keyboard; "": none. */
 const char *ui_ringed(const ui *self);
 
@@ -207,6 +209,10 @@ static inline bool ui_canvas_is_over(const ui_canvas *canvas, ui_rectangle where
 }
 /* is_released comes with the last position: apply the drag in it too. */
 void ui_canvas_begin(ui *self, const char *id, float width, float height, ui_canvas *out);
+/* A part of the canvas that a click or the keyboard presses; where: on the screen. Draws nothing.
+ */
+bool ui_canvas_button(ui *self, const ui_canvas *canvas, const char *label, ui_rectangle where,
+                      bool is_enabled);
 void ui_canvas_end(ui *self); /* contents are clipped to it */
 
 /* On the screen's points, on the panel or canvas that is open. A colour: 0xRRGGBBAA, theme.h. */

@@ -69,6 +69,12 @@ void ui_focus_claim(ui_focus *self, ImGuiID id)
     self->claimed = id;
 }
 
+void ui_focus_forget(ui_focus *self)
+{
+    self->order.resize(0);
+    self->is_seen = false;
+}
+
 int ui_focus_arrows(ui_focus *self, const ui_frame_input *input, bool is_upright)
 {
     const uint32_t less = is_upright ? UI_KEY_UP : UI_KEY_LEFT,

@@ -38,6 +38,8 @@ bool ui_focus_add(ui_focus *self, const char *label, ImGuiID id, const ImRect &b
                   bool is_disabled);
 /* The control of a menu that opens in this frame gets the ring. */
 void ui_focus_claim(ui_focus *self, ImGuiID id);
+/* Tab does not reach the controls that were added in this frame: they are covered. */
+void ui_focus_forget(ui_focus *self);
 /* Left and right, or up and down, change the control with the ring: its arrows are no action's.
  * Returns how far. */
 int ui_focus_arrows(ui_focus *self, const ui_frame_input *input, bool is_upright);

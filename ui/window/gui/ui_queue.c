@@ -57,7 +57,7 @@ bool ui_queue_is_empty(const ui_queue *self)
 /* What was handed over in this frame. */
 typedef struct taken {
     bool key[UI_KEY_COUNT], button[UI_BUTTONS];
-    bool any_move, any_key, any_button, any_text, any_editing_key, any_wheel;
+    bool any_move, any_key, any_button, any_text, any_editing_key, any_wheel, any_focus_key;
 } taken;
 
 static bool is_modifier(uint32_t key)
@@ -69,6 +69,14 @@ static bool is_modifier(uint32_t key)
 static bool is_editing(uint32_t key)
 {
     return key > UI_KEY_ESCAPE - 1 && !is_modifier(key);
+}
+
+/* Keys of the focus: the next one is for what the last one chose. */
+static bool is_focus_key(const ui_event *event)
+{
+    return event->is_down && (event->code == UI_KEY_TAB || event->code == UI_KEY_ENTER ||
+                              event->code == UI_KEY_ESCAPE || event->code == ' ' ||
+                              (event->code >= UI_KEY_LEFT && event->code <= UI_KEY_DOWN));
 }
 
 /* A key that does nothing but write what comes as UI_EVENT_TEXT. */
@@ -92,7 +100,8 @@ static bool waits(const taken *t, const ui_frame_input *input, const ui_event *e
             return t->any_editing_key || t->any_button;
         if (is_modifier(event->code))
             return t->any_key || t->any_button || t->any_wheel || t->any_text;
-        return t->key[event->code] || (t->any_text && is_editing(event->code));
+        return t->key[event->code] || (t->any_text && is_editing(event->code)) ||
+               (t->any_focus_key && is_focus_key(event));
     case UI_EVENT_TEXT:
         return t->any_editing_key || input->text_count == UI_QUEUE_TEXT;
     case UI_EVENT_FOCUS:
@@ -111,6 +120,7 @@ static void take_key(taken *t, ui_frame_input *input, const ui_event *event)
     t->key[event->code] = true;
     t->any_key |= !is_modifier(event->code);
     t->any_editing_key |= is_editing(event->code);
+    t->any_focus_key |= is_focus_key(event);
 }
 
 static void take(taken *t, ui_frame_input *input, const ui_event *event)

@@ -15,8 +15,7 @@ typedef struct pen { /* drawing position along the strip */
     ui *on;
     const ui_canvas *canvas;
     float x, y, end, undo; /* undo: x of the undo buttons */
-    bool is_clicked;
-    ui_rectangle record; /* the record button: its menu is opened there */
+    ui_rectangle record;   /* the record button: its menu is opened there */
     const char *hint;
     char words[400]; /* text of the hint */
 } pen;
@@ -37,7 +36,7 @@ typedef struct button {
     bool is_pressed;
 } button;
 
-static button place_button(pen *p, float width, bool is_on, bool can)
+static button place_button(pen *p, const char *label, float width, bool is_on, bool can)
 {
     button out = {.box = {p->x, p->y, width, ICON_HEIGHT}};
     bool is_hovered = ui_canvas_is_over(p->canvas, out.box);
@@ -46,7 +45,7 @@ static button place_button(pen *p, float width, bool is_on, bool can)
     else if (is_hovered && can)
         ui_draw_box(p->on, out.box, THEME_HOVER, 4.0f);
     out.ink = !can ? THEME_OFF : is_on ? THEME_ACCENT : THEME_TEXT;
-    out.is_pressed = is_hovered && can && p->is_clicked;
+    out.is_pressed = ui_canvas_button(p->on, p->canvas, label, out.box, can);
     p->x += width + 2.0f;
     return out;
 }
@@ -147,16 +146,16 @@ static void put_action(pen *p, action of, paint_sign *sign, bool is_on)
 {
     const char *why_not = "";
     bool can = app_can(p->self->app, of, &why_not);
-    button b = place_button(p, ICON_WIDTH, is_on, can);
+    button b = place_button(p, action_of(of)->title, ICON_WIDTH, is_on, can);
     sign(p->on, b.box.x + 0.5f * b.box.width, b.box.y + 0.5f * b.box.height, b.ink);
     end_action(p, of, &b, can, why_not);
 }
 
 /* Draws a word as a button. */
-static button put_word(pen *p, const char *word, bool can)
+static button put_word(pen *p, const char *label, const char *word, bool can)
 {
     float width = ui_text_width(p->on, UI_STYLE_BODY, word);
-    button b = place_button(p, width + 14.0f, false, can);
+    button b = place_button(p, label, width + 14.0f, false, can);
     float y = b.box.y + 0.5f * (ICON_HEIGHT - ui_text_height(p->on, UI_STYLE_BODY));
     ui_draw_text(p->on, b.box.x + 7.0f, y, UI_STYLE_BODY, can ? b.ink : THEME_DIM, 0.0f, word);
     return b;
@@ -166,7 +165,7 @@ static void put_action_word(pen *p, action of, const char *word)
 {
     const char *why_not = "";
     bool can = app_can(p->self->app, of, &why_not);
-    button b = put_word(p, word, can);
+    button b = put_word(p, action_of(of)->title, word, can);
     end_action(p, of, &b, can, why_not);
 }
 
@@ -280,7 +279,7 @@ static void put_undo(pen *p)
     put_action(p, ACTION_UNDO, sign_undo, false);
     put_action(p, ACTION_REDO, sign_redo, false);
     const history *edits = app_history(p->self->app);
-    button b = put_word(p, "History", edits && history_last(edits) > 0);
+    button b = put_word(p, "History", "History", edits && history_last(edits) > 0);
     if (b.is_pressed)
         ui_dialog_open(p->on, "timeline_history");
     if (ui_canvas_is_over(p->canvas, b.box))
@@ -311,7 +310,6 @@ void timeline_strip_draw(panel *self, ui *on, ui_rectangle where)
              .x = where.x + 12.0f,
              .y = where.y + 0.5f * (where.height - ICON_HEIGHT),
              .end = where.x + where.width - 10.0f,
-             .is_clicked = canvas.is_pressed && canvas.button == 0,
              .hint = ""};
     p.undo = p.end - undo_width(&p);
     put_time(&p);
