@@ -13,6 +13,7 @@ if [ -z "${MAROTTE_TEST_LONG:-}" ]; then # ./run itself, with the first seconds 
         run >"$scratch/run"
     [ "$(grep -c 'end=2' "$scratch/run")" -eq 3 ] || fail "run performs other recordings"
 fi
+rm -f out/head.rig.json # of a run before: rig new does not overwrite it
 commands() { # GUIDE: its commands, a line each
     awk -v OUT="$scratch/blocks" -f tests/plugin/guide.awk "$1"
     cat "$scratch"/blocks/*.none.sh 2>/dev/null
