@@ -30,6 +30,8 @@ void draw_texture_destroy(uint32_t texture); /* 0 is fine */
 typedef struct draw_renderer draw_renderer; /* programs and lights */
 draw_renderer *draw_renderer_create(error *err);
 void draw_renderer_destroy(draw_renderer *self);
+/* Live: a software renderer leaves out the fibres of felt, a quarter of its time. */
+void draw_renderer_set_live(draw_renderer *self, bool is_live);
 
 /* A mesh on the graphics card. The mesh may be freed after creation. */
 typedef struct draw_face draw_face;

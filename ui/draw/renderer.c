@@ -173,6 +173,11 @@ draw_renderer *draw_renderer_create(error *err)
     return NULL;
 }
 
+void draw_renderer_set_live(draw_renderer *self, bool is_live)
+{
+    self->is_live = is_live;
+}
+
 void draw_renderer_destroy(draw_renderer *self)
 {
     if (!self)
@@ -414,7 +419,7 @@ static void draw_fuzz(const draw_renderer *self, const draw_face *face)
 {
     const renderer_face_program *u = &self->face[LOOK_FUZZ];
     const GLsizei layers = gl_is_llvmpipe() ? NAP_LAYERS_IN_SOFTWARE : NAP_LAYERS;
-    if (face->triangle_count == 0 || face->colour_buffer)
+    if (face->triangle_count == 0 || face->colour_buffer || (self->is_live && gl_is_llvmpipe()))
         return;
     glUseProgram(u->program);
     glUniform1f(u->nap_mm, nap_share * face->height_mm);

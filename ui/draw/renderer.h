@@ -58,6 +58,7 @@ struct draw_renderer {
     lighting light;
     const draw_backdrop *backdrop; /* NULL: the wall */
     draw_fit fit;
+    bool is_live;
     bool has_ground; /* one colour instead of wall and picture */
     float ground[4];
     letters *letters;

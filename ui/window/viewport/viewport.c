@@ -1104,6 +1104,7 @@ static bool make_parts(viewport *self, error *err)
     self->renderer = draw_renderer_create(err);
     if (!self->renderer)
         return false;
+    draw_renderer_set_live(self->renderer, true);
     self->picture = viewport_picture_create(self->renderer);
     self->hand = virtual_hand_create(self->of);
     if (!self->picture || !self->hand) {
