@@ -13,6 +13,7 @@ static const float shadow_reach = 4.5f / SHADOW_MAX; /* share of the map: softne
 
 /* Length of the fibres, as a share of the height of the face; layers that show them. */
 static const float nap_share = 0.0075f;
+static const float nap_least_pixels = 2.0f; /* shorter fibres only make the edge rough */
 enum { NAP_LAYERS = 4, NAP_LAYERS_IN_SOFTWARE = 2 };
 
 static void find_face_uniforms(renderer_face_program *out)
@@ -413,13 +414,21 @@ static void draw_solid(const draw_renderer *self, const draw_face *face)
     }
 }
 
+/* How many pixels of the picture the fibres are long. */
+static float nap_pixels(const draw_face *face, const view *v)
+{
+    const float up = v->camera.distance_mm * tanf(0.5f * v->camera.field_of_view_rad);
+    return nap_share * face->height_mm * (float)v->height / (2.0f * (up > 1e-3f ? up : 1e-3f));
+}
+
 /* Draws the fibres that stand out of the felt where it ends: the inside of shells around it. What
  * is in front of the felt is culled, the rest hidden by it, so that few pixels are shaded. */
-static void draw_fuzz(const draw_renderer *self, const draw_face *face)
+static void draw_fuzz(const draw_renderer *self, const draw_face *face, const view *v)
 {
     const renderer_face_program *u = &self->face[LOOK_FUZZ];
     const GLsizei layers = gl_is_llvmpipe() ? NAP_LAYERS_IN_SOFTWARE : NAP_LAYERS;
-    if (face->triangle_count == 0 || face->colour_buffer || (self->is_live && gl_is_llvmpipe()))
+    if (face->triangle_count == 0 || face->colour_buffer ||
+        nap_pixels(face, v) < nap_least_pixels || (self->is_live && gl_is_llvmpipe()))
         return;
     glUseProgram(u->program);
     glUniform1f(u->nap_mm, nap_share * face->height_mm);
@@ -493,7 +502,7 @@ static void draw_face_lit(const draw_renderer *self, const draw_face *face, cons
     glEnable(GL_DEPTH_TEST);
     glPointSize(4.0f * (float)v->side);
     draw_solid(self, face);
-    draw_fuzz(self, face);
+    draw_fuzz(self, face, v);
     if (!self->has_ground)
         draw_wall(self, v);
     glBindVertexArray(face->vertex_array);
@@ -516,9 +525,7 @@ static bool describe_scene(target_scene *out, const draw_renderer *self, const G
  * margin for rounding. */
 static void find_covered(GLint out[4], const draw_face *face, const view *v)
 {
-    const float up = v->camera.distance_mm * tanf(0.5f * v->camera.field_of_view_rad);
-    const float nap = 2.0f * nap_share * face->height_mm / (up > 1e-3f ? up : 1e-3f);
-    const float margin = 4.0f + 0.5f * nap * (float)v->height,
+    const float margin = 4.0f + 2.0f * nap_pixels(face, v),
                 size[2] = {(float)v->width, (float)v->height};
     const matrix4 projection =
         camera_projection(&v->camera, size[0] / size[1], face->centre, face->radius_mm);
