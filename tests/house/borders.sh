@@ -32,7 +32,7 @@ only "plugin_list_(choose|choose_spec|add)\(" "opens a plugin by its path: what 
 only "${word}(system|popen|execl|execlp|execle|execv|execvp|fork|vfork)\(" "starts a process through a shell or by fork" # nobody
 only "${word}(posix_spawnp?|program_spawn)\(" "starts a process: see CONTRIBUTING.md" \
     core/base/program.c core/base/program.h core/check/check.c core/io/read/mesh_child.c core/stage/mapping/isolate_process.c ui/paper/paper_moai.c \
-    plugins/openxr/openxr_helper.c ui/cli/take_export_all.c ui/stream/video.c ui/window/app/camera_package.c ui/window/app/camera_page.c ui/window/app/exporter.c
+    plugins/openxr/openxr_helper.c ui/cli/take_export_all.c ui/stream/video.c ui/window/app/browser.c ui/window/app/camera_package.c ui/window/app/camera_page.c ui/window/app/exporter.c
 # Beside posix_spawn: descriptors that children do not get, waits that end, nothing that is the whole process's.
 only "${word}pipe\(" "is inherited by programs that start meanwhile: program_pipe" # nobody
 only "waitpid\([^)]*, 0\)" "waits for ever: program_wait" # nobody

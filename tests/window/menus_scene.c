@@ -163,6 +163,80 @@ static void tab_goes_round_and_enter_presses(void **state)
     scene_close(&s);
 }
 
+static void hold(scene *s, uint32_t key, uint32_t frames)
+{
+    scene_hold_key(s, key, true);
+    scene_frames(s, frames);
+    scene_hold_key(s, key, false);
+    scene_settle(s);
+}
+
+static void a_held_arrow_goes_on_and_is_one_step_of_undo(void **state)
+{
+    scene s;
+    (void)state;
+    scene_open(&s, 1280, 720, 1.0f);
+    scene_do(&s, ACTION_PANEL_MAPPING);
+    tab_to(&s, "Size");
+    const double before = mapping_number(&s, "Size");
+    scene_key(&s, UI_KEY_RIGHT, 0);
+    const double step = mapping_number(&s, "Size") - before;
+    assert_true(step > 0.0);
+    hold(&s, UI_KEY_RIGHT, 60);
+    assert_true(mapping_number(&s, "Size") > before + 4.0 * step);
+    scene_do(&s, ACTION_UNDO);
+    assert_true(fabs(mapping_number(&s, "Size") - before - step) < 1e-6);
+    scene_do(&s, ACTION_UNDO);
+    assert_true(fabs(mapping_number(&s, "Size") - before) < 1e-6);
+    scene_close(&s);
+}
+
+/* Held in this frame, for an action. */
+static bool is_of_actions(scene *s, uint32_t key)
+{
+    scene_hold_key(s, key, true);
+    scene_frame(s);
+    const bool is_pressed = ui_pressed(s->ui, key, 0), is_down = ui_is_down(s->ui, key);
+    assert_int_equal(is_pressed, is_down);
+    scene_hold_key(s, key, false);
+    scene_settle(s);
+    return is_pressed;
+}
+
+static void keys_are_of_actions_again_when_the_control_is_gone(void **state)
+{
+    scene s;
+    (void)state;
+    scene_open(&s, 1280, 720, 1.0f);
+    scene_do(&s, ACTION_PANEL_MAPPING);
+    tab_to(&s, "Size");
+    assert_false(is_of_actions(&s, ' '));
+    assert_false(is_of_actions(&s, UI_KEY_RIGHT));
+    scene_do(&s, ACTION_PANEL_ENGINE); /* another panel covers it */
+    assert_string_equal(ui_ringed(s.ui), "");
+    assert_true(is_of_actions(&s, ' '));
+    assert_true(is_of_actions(&s, UI_KEY_RIGHT));
+    scene_close(&s);
+}
+
+static void tab_goes_on_from_where_one_clicked(void **state)
+{
+    scene s;
+    char next[128];
+    (void)state;
+    scene_open(&s, 1280, 720, 1.0f);
+    scene_do(&s, ACTION_PANEL_MAPPING);
+    tab_to(&s, "Keep the clay");
+    scene_key(&s, UI_KEY_TAB, 0);
+    (void)snprintf(next, sizeof next, "%s", ui_ringed(s.ui));
+    scene_key(&s, UI_KEY_ESCAPE, 0);
+    scene_click_word(&s, "Keep the clay");
+    assert_string_equal(ui_ringed(s.ui), "");
+    scene_key(&s, UI_KEY_TAB, 0);
+    assert_string_equal(ui_ringed(s.ui), next);
+    scene_close(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -170,6 +244,9 @@ int main(void)
         cmocka_unit_test(a_new_show_has_a_new_name),
         cmocka_unit_test(a_command_is_found_by_its_name),
         cmocka_unit_test(tab_goes_round_and_enter_presses),
+        cmocka_unit_test(a_held_arrow_goes_on_and_is_one_step_of_undo),
+        cmocka_unit_test(keys_are_of_actions_again_when_the_control_is_gone),
+        cmocka_unit_test(tab_goes_on_from_where_one_clicked),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -394,14 +394,24 @@ static void an_r_just_after_a_take_is_shown_performs_over_it(void **state)
 
 /* ---- what comes before a recording ---- */
 
+/* A right click on the record button of the bar, before its state. */
+static void open_record_menu(scene *s)
+{
+    const ui_word *state = scene_word(s, "Live");
+    assert_non_null(state);
+    scene_click_with(s, state->where.x - 31.0f, 0.5f * THEME_BAR_HEIGHT, 1);
+}
+
 static void a_count_in_is_seen_given_up_and_then_records(void **state)
 {
     (void)state;
     scene s;
     open_hand(&s, 1.0f);
-    const ui_word *keep = scene_word(&s, "Keep 30 s");
-    assert_non_null(keep);
-    scene_click_with(&s, keep->where.x, keep->where.y + 4.0f, 1);
+    const ui_word *microphone = scene_word(&s, "Mic");
+    assert_non_null(microphone);
+    scene_click_with(&s, microphone->where.x, microphone->where.y + 4.0f, 1);
+    assert_null(scene_word(&s, "Count-in 3 s")); /* the menu of another button */
+    open_record_menu(&s);
     scene_look(&s, "timeline_scene_lead_in_menu");
     scene_click_word(&s, "Count-in 3 s");
     assert_true(app_lead_in_of(s.app).count_in_s == 3.0);
@@ -416,14 +426,14 @@ static void a_count_in_is_seen_given_up_and_then_records(void **state)
     scene_do(&s, ACTION_RECORD);
     assert_true(app_leads_in_s(s.app) == 0.0);
     assert_false(app_status(s.app)->is_recording);
-    scene_click_with(&s, keep->where.x, keep->where.y + 4.0f, 1);
+    open_record_menu(&s);
     scene_click_word(&s, "Click in the count-in");
-    scene_click_with(&s, keep->where.x, keep->where.y + 4.0f, 1);
+    open_record_menu(&s);
     scene_look(&s, "timeline_scene_click_menu");
     scene_click_word(&s, "Count-in 2 bars");
     assert_true(app_lead_in_of(s.app).count_in_s == 4.0);
     assert_true(app_click(s.app).when == LIVE_CLICK_COUNT_IN && app_click(s.app).bpm == 120.0);
-    scene_click_with(&s, keep->where.x, keep->where.y + 4.0f, 1);
+    open_record_menu(&s);
     scene_click_word(&s, "Tempo \u2026");
     scene_look(&s, "timeline_scene_tempo");
     scene_check_words(&s);

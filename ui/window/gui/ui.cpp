@@ -142,7 +142,7 @@ static uint32_t ui_colour_here(const ui *self, uint32_t colour)
 
 struct ui_pressing {
     ImRect box;
-    bool is_seen, is_pressed, is_hovered, is_held;
+    bool is_seen, is_pressed, is_hovered, is_held, has_ring;
 };
 
 /* ---- text: how wide it is, put on the screen, cut, wrapped, and noted for tests ---- */
@@ -696,7 +696,8 @@ bool ui_pressed(const ui *self, uint32_t key, uint32_t modifiers)
 
 bool ui_is_down(const ui *self, uint32_t key)
 {
-    return key < UI_KEY_COUNT && has_keys(self) && self->input->key[key];
+    return key < UI_KEY_COUNT && has_keys(self) && self->input->key[key] &&
+           !(ui_frame_modifiers(self->input) == 0 && ui_focus_has_key(&self->focus, key));
 }
 
 uint32_t ui_modifiers(const ui *self)
@@ -739,8 +740,9 @@ static void note_beyond(ui *self, const ImRect &box, const char *label)
     ui_notes_word(self->notes, self->surface, &word);
 }
 
-/* An item of that size that can be pressed. */
-static ui_pressing ui_press_item(ui *self, const char *label, ImVec2 size, ImGuiButtonFlags flags)
+/* An item of that size that can be pressed. is_stop: Tab reaches it. */
+static ui_pressing ui_press_item(ui *self, const char *label, ImVec2 size, ImGuiButtonFlags flags,
+                                 bool is_stop = true)
 {
     ImGuiWindow *window = ImGui::GetCurrentWindow();
     ui_pressing out = {};
@@ -750,12 +752,13 @@ static ui_pressing ui_press_item(ui *self, const char *label, ImVec2 size, ImGui
     out.box = ImRect(at, at + size);
     ImGui::ItemSize(size, ImGui::GetStyle().FramePadding.y);
     out.is_seen = ImGui::ItemAdd(out.box, id);
-    const bool has_ring = ui_focus_add(&self->focus, label, id, out.box, self->disabled_depth > 0);
+    out.has_ring =
+        ui_focus_add(&self->focus, label, id, out.box, !is_stop || self->disabled_depth > 0);
     if (!out.is_seen)
         note_beyond(self, out.box, label);
     else
         out.is_pressed = ImGui::ButtonBehavior(out.box, id, &out.is_hovered, &out.is_held, flags);
-    out.is_pressed |= has_ring && self->focus.is_pressing;
+    out.is_pressed |= out.has_ring && self->focus.is_pressing;
     return out;
 }
 
@@ -855,10 +858,14 @@ bool ui_check(ui *self, const char *label, bool *value)
 
 /* ---- tabs and sections ---- */
 
-static bool put_tab(ui *self, const char *name, float width, bool is_chosen)
+/* Tab reaches the chosen one alone; out_step: how far the arrows go from it. */
+static bool put_tab(ui *self, const char *name, float width, bool is_chosen, int *out_step)
 {
     ImFont *font = self->font[is_chosen ? UI_FONT_STRONG : UI_FONT_BODY];
-    const ui_pressing press = ui_press_item(self, name, ImVec2(width, ui_whole_px(self, 30.0f)), 0);
+    const ui_pressing press =
+        ui_press_item(self, name, ImVec2(width, ui_whole_px(self, 30.0f)), 0, is_chosen);
+    if (press.has_ring)
+        *out_step = ui_focus_arrows(&self->focus, self->input, false);
     if (!press.is_seen)
         return false;
     ImRect line = press.box;
@@ -939,6 +946,7 @@ bool ui_tabs_each(ui *self, const char *id, const char *const *names, uint32_t c
                   uint32_t *index, void (*each)(void *data, uint32_t tab), void *data)
 {
     const uint32_t before = *index;
+    int step = 0;
     const float room = ImGui::GetContentRegionAvail().x;
     const uint32_t rows = tab_rows(self, names, count, room), across = (count + rows - 1) / rows;
     ImGui::PushID(id);
@@ -954,11 +962,17 @@ bool ui_tabs_each(ui *self, const char *id, const char *const *names, uint32_t c
             if (i > first)
                 ImGui::SameLine(0.0f, 0.0f);
             const float own = tab_words(self, names, i, i + 1);
-            if (put_tab(self, names[i], is_table ? column : ImFloor(own + padding), i == before))
+            if (put_tab(self, names[i], is_table ? column : ImFloor(own + padding), i == before,
+                        &step))
                 *index = i;
             if (each)
                 each(data, i);
         }
+    }
+    const int64_t to = static_cast<int64_t>(before) + step;
+    if (step != 0 && to >= 0 && to < static_cast<int64_t>(count)) {
+        *index = static_cast<uint32_t>(to);
+        ui_focus_move(&self->focus, ImGui::GetID(names[to]));
     }
     ImGui::PopStyleVar();
     ImGui::PopID();
@@ -1532,10 +1546,13 @@ bool ui_slider(ui *self, const char *label, float label_width, const ui_range *r
         ImGui::ClearActiveID();
     }
     self->is_slider_held = ImGui::IsItemActive() && !is_typed;
-    if (ui_focus_add(&self->focus, label, ImGui::GetID("##slider"), box, self->disabled_depth > 0))
+    if (ui_focus_add(&self->focus, label, ImGui::GetID("##slider"), box,
+                     self->disabled_depth > 0)) {
+        self->is_slider_held |= self->input->key[UI_KEY_LEFT] || self->input->key[UI_KEY_RIGHT];
         *value = ImClamp(*value + slider_step(self, range) *
                                       ui_focus_arrows(&self->focus, self->input, false),
                          range->min, range->max);
+    }
     ImGui::PopID();
     if (range->is_whole)
         *value = std::floor(*value + 0.5);
@@ -1592,15 +1609,21 @@ static bool was_ended(ui *self, const char *text)
            std::strncmp(self->before, text, sizeof self->before - 1) != 0;
 }
 
-bool ui_input(ui *self, const char *id, const char *hint, char *text, size_t capacity)
+/* Before the widget of a text: the ring brings the keys. */
+static void give_keys(ui *self, const char *id, const ImRect &box)
 {
-    const ImRect box = put_label(self, id, 0.0f);
-    ui_notes_box(self->notes, self->surface, ui_points_box(self, box), ui_shown(self, THEME_WELL));
     if (ui_focus_add(&self->focus, id, ImGui::GetID(id), box, self->disabled_depth > 0))
         self->takes_keys |= self->focus.has_arrived || self->focus.is_pressing;
     if (self->takes_keys)
         ImGui::SetKeyboardFocusHere();
     self->takes_keys = false;
+}
+
+bool ui_input(ui *self, const char *id, const char *hint, char *text, size_t capacity)
+{
+    const ImRect box = put_label(self, id, 0.0f);
+    ui_notes_box(self->notes, self->surface, ui_points_box(self, box), ui_shown(self, THEME_WELL));
+    give_keys(self, id, box);
     ImGui::PushAllowKeyboardFocus(false); /* Tab is ui_focus's */
     ImGui::InputTextWithHint(id, hint ? hint : "", text, capacity,
                              ImGuiInputTextFlags_AutoSelectAll);
@@ -1627,7 +1650,10 @@ bool ui_input_lines(ui *self, const char *id, char *text, size_t capacity, float
                                      : ImGui::GetContentRegionAvail().y + ui_px(self, height);
     box.Max.y = box.Min.y + high;
     ui_notes_box(self->notes, self->surface, ui_points_box(self, box), ui_shown(self, THEME_WELL));
+    give_keys(self, id, box);
+    ImGui::PushAllowKeyboardFocus(false);
     ImGui::InputTextMultiline(id, text, capacity, box.GetSize());
+    ImGui::PopAllowKeyboardFocus();
     self->types_lines |= ImGui::IsItemActive();
     const bool is_ended = was_ended(self, text);
     ui_want_characters(self, text, text + std::strlen(text));

@@ -395,6 +395,10 @@ static void draw_head(panel *self, ui *on)
     if (ui_button(on, "Release all", UI_PLAIN))
         pose_palette_release_all(of, self->work.fade_out_s);
     ui_hint(on, "Fade out all poses that are latched.");
+}
+
+static void draw_search(panel *self, ui *on)
+{
     ui_width(on, 0.0f);
     (void)ui_input(on, "##search", "Search", self->search, sizeof self->search);
 }
@@ -481,6 +485,8 @@ static void draw_life(panel *self, ui *on)
 
 /* ---- the panel ---- */
 
+#define LOW_POINTS 420.0f /* below this height, all but the search scrolls */
+
 static void draw(panel *self, ui *on, ui_rectangle where)
 {
     pose_palette *of = app_poses(self->app);
@@ -492,14 +498,22 @@ static void draw(panel *self, ui *on, ui_rectangle where)
     self->is_held = false;
     self->is_drawn = true;
     self->next = NOBODY;
+    const bool is_low = where.height < LOW_POINTS;
     ui_panel_begin(on, "poses", where, UI_GROUND_PANEL);
-    draw_life(self, on);
-    draw_head(self, on);
+    if (!is_low) {
+        draw_life(self, on);
+        draw_head(self, on);
+    }
+    draw_search(self, on);
     draw_learning(self, on);
     const char *trouble = pose_palette_trouble(of);
     if (trouble[0])
         ui_text_wrapped(on, UI_STYLE_WARNING, trouble);
     ui_scroll_begin(on, "scroll", 0.0f, 0.0f);
+    if (is_low) {
+        draw_life(self, on);
+        draw_head(self, on);
+    }
     bool has_any = false;
     for (uint32_t i = 0; i < pose_palette_count(of); ++i)
         has_any |= is_sought(self, self->poses[i].name);
