@@ -372,6 +372,9 @@ static void begin_export(export_page *self)
         result = error_set(err, MRT_ERR_ARGUMENT, "Tick the takes to export.");
     if (result >= 0)
         result = check_look(self, name[0], err);
+    const app_unsaved *unsaved = app_unsaved_now(self->app);
+    if (result >= 0 && unsaved) /* an export performs the file of the rig */
+        result = unsaved->save(unsaved->owner, err);
     if (result >= 0 && !needs_a_word(self, name, count)) {
         result = begin_all(self, name, id, count);
         if (result < 0)
@@ -556,7 +559,8 @@ static void draw_request(export_page *self)
     if (self->trouble.text[0])
         ui_text_wrapped(on, UI_STYLE_BAD, self->trouble.text);
     ui_space(on, 6.0f);
-    if (ui_button(on, "Export", UI_ACCENT))
+    const app_unsaved *unsaved = app_unsaved_now(self->app);
+    if (ui_button(on, unsaved ? "Save the rig and export" : "Export", UI_ACCENT))
         begin_export(self);
     ui_same_line(on);
     if (ui_button(on, "Cancel", UI_PLAIN))

@@ -228,9 +228,12 @@ static void show_guides(menus *self)
     if (installed_data(path, "guides/index.html")) {
         (void)snprintf(self->guides, sizeof self->guides, "file://%.580s", path);
         result = browser_start(&self->browser, self->guides, &err);
+    } else if (installed_prefix(path)) { /* built without pandoc: the same guides as text */
+        (void)snprintf(self->guides, sizeof self->guides,
+                       "file://%.500s/share/doc/marotte/README.md", path);
+        result = browser_start(&self->browser, self->guides, &err);
     } else {
-        result = error_set(&err, MRT_ERR_IO,
-                           "the guides are not installed: build them with ninja guides");
+        result = error_set(&err, MRT_ERR_IO, "the guides were not found: install marotte again");
     }
     if (result < 0)
         news_list_add(app_news(self->app), MRT_LOG_ERROR, "stage", err.text);

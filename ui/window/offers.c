@@ -105,8 +105,7 @@ static const float padding = 8.0f, pitch = 31.0f; /* of lines of buttons */
 /* At the lower edge of the face, in its middle. */
 static void begin_box(ui *on, const char *id, ui_rectangle over, float width, float height)
 {
-    const ui_rectangle box = {over.x + 0.5f * (over.width - width),
-                              over.y + over.height - height - 8.0f, width, height};
+    const ui_rectangle box = {over.x + 8.0f, over.y + over.height - height - 8.0f, width, height};
     ui_panel_begin(on, id, box, UI_GROUND_PANEL);
 }
 

@@ -999,7 +999,7 @@ void app_mark(app *self)
         if (m->count == APP_MARKS_MAX)
             memmove(m->at_ns, m->at_ns + 1, --m->count * sizeof *m->at_ns);
         m->at_ns[m->count++] = clock_now_ns();
-        app_say(self, MRT_LOG_INFO, "marker added");
+        app_say(self, MRT_LOG_INFO, "marker added to the live recording");
         return;
     }
     edit e;

@@ -1050,11 +1050,12 @@ static void take_draft(panel *self)
         char text[128], keys[KEY_WORDS + 4];
         key_map_after(&app_looks_of(self->of)->keys, ACTION_PANEL_RIG, keys);
         const bool is_unsure = self->confirm && strstr(self->confirm, "(unsure)");
-        (void)snprintf(text, sizeof text,
-                       is_unsure
-                           ? "A rig was drafted, but its face is unsure. See where it is in Rig%s."
-                           : "A rig was drafted. Check and save it in Rig%s.",
-                       keys);
+        (void)snprintf(
+            text, sizeof text,
+            is_unsure ? "A rig was drafted, but its face is unsure. See where it is in Rig%s, then "
+                        "save it (Ctrl+S)."
+                      : "A rig was drafted. Check it in Rig%s, and save it (Ctrl+S).",
+            keys);
         tell(self, text);
     }
 }

@@ -174,6 +174,7 @@ static void ask_mouth(panel *self, ui *on)
     if (self->jaw_lips[0] <= 0.0 && self->jaw_lips[1] <= 0.0)
         self->jaw_lips[0] = self->jaw_lips[1] = 100.0;
     ui_dialog_open(on, "timeline_mouth");
+    self->is_asked_first = true;
 }
 
 static void sound_menu(panel *self, ui *on, const take_audio *audio)
@@ -526,6 +527,9 @@ static void mouth_dialog(panel *self, ui *on)
     ui_disabled_begin(on, part >= 0.0);
     ui_text(on, UI_STYLE_DIM, "Words that are said, if you know them");
     ui_width(on, -1.0f);
+    if (self->is_asked_first)
+        ui_input_take_keys(on);
+    self->is_asked_first = false;
     (void)ui_input_lines(on, "##words", self->spoken, sizeof self->spoken, 84.0f);
     for (uint32_t i = 0; i < 2; ++i) {
         ui_width(on, -1.0f);

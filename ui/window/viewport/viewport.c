@@ -915,7 +915,7 @@ static void ink_quality(const viewport *self, ui *on)
                    100.0 * (double)quality_scale[self->quality.level]);
     const float width = ui_text_width(on, UI_STYLE_BODY, words);
     write_on_plate(on, self->where.x + self->where.width - width - margin,
-                   self->where.y + margin + 26.0f, THEME_DIM, words);
+                   self->where.y + 40.0f + 26.0f, THEME_DIM, words);
 }
 
 /* Draws the button that removes Shift pulls and clay changes from the face. */
@@ -944,7 +944,7 @@ static void ink_mirrored(viewport *self, ui *on)
     static const char words[] = "Mirrored";
     const float width = ui_text_width(on, UI_STYLE_DIM, words), height = 20.0f;
     self->mirrored = (ui_rectangle){.width = 0.0f};
-    if (!is_mirrored(self))
+    if (!is_mirrored(self) || app_looks_of(self->of)->is_face_only)
         return;
     self->mirrored = (ui_rectangle){self->where.x + self->where.width - width - 12.0f - margin,
                                     self->where.y + 40.0f, width + 12.0f, height};
