@@ -431,7 +431,7 @@ static void draw_switch(docks *self, ui *on, ui_rectangle over)
         width += ui_text_width(on, UI_STYLE_STRONG, names[i]);
     const ui_rectangle where = {over.x + over.width - width - 10.0f, over.y + 6.0f, width,
                                 SWITCH_HEIGHT};
-    if (where.x < over.x)
+    if (where.x < over.x || app_has_hand_keys(self->app)) /* then the keys are there */
         return;
     ui_on_face_begin(on);
     ui_panel_begin(on, "layouts", where, UI_GROUND_NONE);
