@@ -125,7 +125,8 @@ static void write_into(stand *s, const char *field, const char *text)
     stand_click_at(s, label->where.x + 80.0f, label->where.y + 0.5f * label->where.height);
     stand_key(s, UI_KEY_BACKSPACE);
     stand_type(s, text);
-    stand_key(s, UI_KEY_TAB);
+    stand_key(s,
+              UI_KEY_ENTER); /* Tab would select the next field, and the click there deselect it */
 }
 
 static const char *text_of(uint32_t index)

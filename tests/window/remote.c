@@ -266,7 +266,7 @@ static void a_take_is_recorded_marked_and_ended_by_osc(void **state)
     assert_non_null(strstr(h.says, "already"));
     assert_true(app_status(d.room.app)->is_recording);
     h = osc(&d, "/marotte/remote/mark");
-    assert_string_equal(h.says, "marker added");
+    assert_string_equal(h.says, "marker added to the live recording");
     h = osc(&d, "/marotte/remote/stop");
     assert_int_equal(h.ok, 1);
     assert_true(until(&d.room, has_ended));
