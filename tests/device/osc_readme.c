@@ -25,10 +25,10 @@ static int read_examples(char line[][LINE], int capacity)
     int count = 0;
     char text[LINE * 4];
     while (fgets(text, sizeof text, file))
-        if (strncmp(text, "    oscsend localhost 9105 ", 27) == 0 && count < capacity) {
+        if (strncmp(text, "oscsend localhost 9105 ", 23) == 0 && count < capacity) {
             text[strcspn(text, "\n")] = '\0';
             assert_true(strlen(text) < LINE);
-            strcpy(line[count++], text + 27);
+            strcpy(line[count++], text + 23);
         }
     fclose(file);
     return count;

@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SIDE = 200, PIXELS = SIDE * SIDE, MIDDLE = (SIDE / 2 * SIDE + SIDE / 2) * 4 };
+enum { SIDE = 600, PIXELS = SIDE * SIDE, MIDDLE = (SIDE / 2 * SIDE + SIDE / 2) * 4 };
 
 static draw_context *context;
 static draw_renderer *renderer;
