@@ -122,11 +122,11 @@ static void write_into(stand *s, const char *field, const char *text)
     const ui_word *label = stand_word(s, field);
     if (!label)
         fail_msg("no field %s", field);
-    stand_click_at(s, label->where.x + 80.0f, label->where.y + 0.5f * label->where.height);
+    const float x = label->where.x, y = label->where.y + 0.5f * label->where.height;
+    stand_click_at(s, x + 80.0f, y);
     stand_key(s, UI_KEY_BACKSPACE);
     stand_type(s, text);
-    stand_key(s,
-              UI_KEY_ENTER); /* Tab would select the next field, and the click there deselect it */
+    stand_click_at(s, x + 2.0f, y); /* beside it: Tab would go on to the next field */
 }
 
 static const char *text_of(uint32_t index)
