@@ -468,7 +468,7 @@ static mrt_result apply_layer(take *t, const edit *e, error *err)
 
 /* ---- clips ---- */
 
-/* ---- ripple: what follows an edit of a clip moves along ---- */
+/* ---- ripple: later clips, markers and sound move with an edit ---- */
 
 static mrt_result check_audio_ripple(const take *t, const edit *e, int64_t from_ns, error *err)
 {

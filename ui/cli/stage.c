@@ -252,7 +252,7 @@ static mrt_result open_window(stage *self, error *err)
     return result;
 }
 
-/* Somebody looks at the window, who did not say what to perform, for the first time. */
+/* The first start of a visible window, without a face or an input on the command line. */
 static bool is_first_run(const stage *self)
 {
     const app_options *with = &self->options->app;

@@ -16,7 +16,7 @@ typedef enum tour_step {
     TOUR_RECORD,
     TOUR_TRIM,
     TOUR_EXPORT,
-    TOUR_DONE, /* the last card, which says how to start it again */
+    TOUR_DONE, /* the last card: how to start it again */
     TOUR_STEPS = TOUR_DONE - 1
 } tour_step;
 

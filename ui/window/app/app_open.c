@@ -256,7 +256,7 @@ static mrt_result make_show(show **out, error *err)
     return result < 0 ? result : open_or_make(out, path, err);
 }
 
-/* After a show has been opened: keeps its path, and says what is to be known about it. */
+/* After a show has been opened: keeps its path, and reports its notices. */
 static void begin_show(app *self)
 {
     error err = {0};
